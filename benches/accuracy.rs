@@ -1,4 +1,4 @@
-//! Errors of runs with default settings against exact solutions, as tables in Markdown.
+//! Prints errors of runs with default settings against exact solutions, as tables in Markdown.
 //!
 //! `cargo bench --bench accuracy -- [PROBLEM …] [--before] [--program PATH] [--cells N,N,…] [--receivers cell|point]
 //! [--up AXIS] [--set key=value] [--spread]`. PROBLEM: a name from `tests/reference`; default: all problems.
@@ -97,16 +97,16 @@ fn print_table(problem: &ReferenceProblem, cell_counts: &[f64], tables: &[Vec<Co
             let errors: Vec<_> = tables
                 .iter()
                 .map(|table| {
-                    table.iter().find(|other| other.name == row.name).expect("a row").error
+                    table.iter().find(|other| other.name == row.name).expect("a row").relative_error
                 })
                 .collect();
             let numbers: String = errors
                 .iter()
-                .map(|e| format!(" {:.2} ({:.2}) |", 100.0 * e.l2, 100.0 * e.max))
+                .map(|e| format!(" {:.2} ({:.2}) |", 100.0 * e.l2_error, 100.0 * e.max_error))
                 .collect();
             let order = match (cell_counts, errors.as_slice()) {
                 ([.., coarse, fine], [.., a, b]) => {
-                    format!("{:.2}", (a.l2 / b.l2).ln() / (fine / coarse).ln())
+                    format!("{:.2}", (a.l2_error / b.l2_error).ln() / (fine / coarse).ln())
                 }
                 _ => String::new(),
             };

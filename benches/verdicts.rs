@@ -1,4 +1,4 @@
-//! Rate, verdicts per second, of both methods of assessment, on random states of every model.
+//! Measures verdicts per second of both methods of assessment, on random states of every model.
 //!
 //! `cargo bench --bench verdicts`. Both methods are timed separately, starting from a checked state: (a) model-blind:
 //! linearise, expand the dispersion polynomial, assess all directions; (b) the closed form of the model, on the states
@@ -21,7 +21,7 @@ use testkit::flows::FlowParameters;
 
 /// Number of rounds; the median is reported.
 const ROUND_COUNT: usize = 7;
-/// Number of states per model.
+/// Number of random states per model.
 const STATE_COUNT: u64 = 2_000;
 
 struct StateSample {
@@ -31,8 +31,8 @@ struct StateSample {
     flow: DeformingFlow,
 }
 
-/// Random states of a model: half of them with a dilatancy angle ν > 0 and, independently, half with gradients and
-/// accelerations.
+/// Generates random states of a model: half of them with a dilatancy angle ν > 0 and, independently, half with
+/// gradients and accelerations.
 fn generate_samples(kind: FlowKind) -> Vec<StateSample> {
     (0..STATE_COUNT)
         .map(|seed| {
@@ -96,7 +96,7 @@ fn main() {
             let answered: Vec<&StateSample> = samples
                 .iter()
                 .copied()
-                .filter(|s| s.model.closed_form(&s.flow).is_some())
+                .filter(|s| s.model.closed_form_verdict(&s.flow).is_some())
                 .collect();
             let repeat_count = 1_000_000 / answered.len().max(1);
             let closed_form = measure_rate(
@@ -105,7 +105,7 @@ fn main() {
                 repeat_count,
                 || (),
                 |(), s| {
-                    black_box(s.model.closed_form(black_box(&s.flow)).map(Verdict::from));
+                    black_box(s.model.closed_form_verdict(black_box(&s.flow)).map(Verdict::from));
                 },
             );
             let with_checks = measure_rate(
@@ -119,7 +119,7 @@ fn main() {
                         black_box(&s.parameters),
                         black_box(&s.state),
                     );
-                    black_box(model.closed_form(&flow).map(Verdict::from));
+                    black_box(model.closed_form_verdict(&flow).map(Verdict::from));
                 },
             );
             let share = 100.0 * answered.len() as f64 / samples.len() as f64;

@@ -63,7 +63,7 @@ fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage,
         title: format!("{title} ({verdict}), {points} × {points} points"),
         subtitle: format!(
             "t = {:.1} ms, in the box that moves with the mean flow",
-            1e3 * found.time
+            1e3 * found.final_time
         ),
         x: axis('₁'),
         y: axis('₂'),

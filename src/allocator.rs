@@ -1,5 +1,5 @@
 //! Global allocator of the program. Rust aborts the process when an allocation fails; if a request below
-//! `FALLIBLE_SIZE` fails, this allocator ends the process with an error message and exit code 2, as for every other
+//! `MIN_FALLIBLE_SIZE` fails, this allocator ends the process with an error message and exit code 2, as for every other
 //! case that is too large for the memory. The results folder is left as if the process had been killed, so that a run
 //! can be resumed.
 
@@ -7,32 +7,32 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest request, bytes, whose failure is returned to the caller. Fields, maps and archives are reserved with
-/// fallible methods, and the calling code reports which of them does not fit.
-const FALLIBLE_SIZE: usize = 1 << 28;
+/// Size, bytes, from which on the failure of a request is returned to the caller. Fields, maps and archives are
+/// reserved with fallible methods, and the calling code reports which of them does not fit.
+const MIN_FALLIBLE_SIZE: usize = 1 << 28;
 
 /// Whether errors are printed as JSON.
-pub static JSON_ERRORS: AtomicBool = AtomicBool::new(false);
+pub static PRINTS_JSON_ERRORS: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator; a failed request below `FALLIBLE_SIZE` ends the program with an error message.
+/// Allocator of the system that ends the program with an error message if a request below `MIN_FALLIBLE_SIZE` fails.
 pub struct ReportingAllocator;
 
 // SAFETY: all requests are passed to the system's allocator unchanged, and its pointers are returned unchanged.
 unsafe impl GlobalAlloc for ReportingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller fulfils the contract of `GlobalAlloc::alloc`, which is that of `System.alloc`.
-        checked(unsafe { System.alloc(layout) }, layout.size())
+        exit_if_null(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller fulfils the contract of `GlobalAlloc::alloc_zeroed`, which is that of
         // `System.alloc_zeroed`.
-        checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
+        exit_if_null(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         // SAFETY: the caller fulfils the contract of `GlobalAlloc::realloc`, which is that of `System.realloc`.
-        checked(unsafe { System.realloc(pointer, layout, size) }, size)
+        exit_if_null(unsafe { System.realloc(pointer, layout, size) }, size)
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
@@ -41,9 +41,9 @@ unsafe impl GlobalAlloc for ReportingAllocator {
     }
 }
 
-fn checked(pointer: *mut u8, size: usize) -> *mut u8 {
-    if pointer.is_null() && size < FALLIBLE_SIZE {
-        end_without_memory(size);
+fn exit_if_null(pointer: *mut u8, size: usize) -> *mut u8 {
+    if pointer.is_null() && size < MIN_FALLIBLE_SIZE {
+        exit_out_of_memory(size);
     }
     pointer
 }
@@ -51,12 +51,12 @@ fn checked(pointer: *mut u8, size: usize) -> *mut u8 {
 /// Prints the error message for a failed request of `size` bytes and ends the program with exit code 2. It neither
 /// allocates nor locks standard error, since this thread may hold that lock already.
 #[cold]
-fn end_without_memory(size: usize) -> ! {
+fn exit_out_of_memory(size: usize) -> ! {
     let mut text = [0; 320];
     let mut rest = &mut text[..];
     let message = format_args!("no memory left for {size} bytes; ask for fewer cells or points");
     // The message is shorter than the array `text`, so that `writeln!` cannot fail.
-    let _ = if JSON_ERRORS.load(Ordering::Relaxed) {
+    let _ = if PRINTS_JSON_ERRORS.load(Ordering::Relaxed) {
         writeln!(
             rest,
             r#"{{"schema":1,"kind":"memory","message":"{message}","exit_code":2,"file":null,"line":null,"option":null,"key":null,"found":null,"allowed":null}}"#

@@ -1,4 +1,4 @@
-//! Errors of the library.
+//! Errors of the studies and of their reports.
 
 use crate::case::CaseError;
 use crate::study::simulate::IllPosedness;
@@ -17,7 +17,7 @@ pub enum Error {
     /// The points of the map cannot be allocated.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {
-        /// Number of points of the map.
+        /// Number of points of the map that does not fit into memory.
         points: usize,
     },
     /// The progress callback cancelled the study.

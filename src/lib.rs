@@ -13,7 +13,7 @@
 //! | [`analyse_point`] | [`PointResult`](study::PointResult): analysis of one state: background, characteristics, roots, growth, verdict with evidence |
 //! | [`compute_map`] | [`MapResult`](study::MapResult): the verdict over two parameters of the case |
 //! | [`compute_dispersion`] | [`DispersionResult`](study::DispersionResult): dispersion relation of a solid: frequencies and speeds of its waves by wave number |
-//! | [`compute_bloch_waves`](study::compute_bloch_waves) | [`BlochResult`](study::BlochResult): Bloch waves of a blocky medium, beside the equivalent continuum |
+//! | [`compute_bloch_waves`](study::compute_bloch_waves) | [`BandStructureResult`](study::BandStructureResult): Bloch waves of a blocky medium, compared with the equivalent continuum |
 //! | [`homogenise`](study::homogenise()) | [`HomogeniseResult`](study::HomogeniseResult): the Cosserat continuum that is equivalent to a blocky medium |
 //! | [`compute_speeds`] | [`SpeedsResult`](study::SpeedsResult): characteristic speeds of a solid by direction, elastic and yielding |
 //! | [`simulate`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
@@ -94,14 +94,14 @@ pub struct LibraryPage;
 /// hash if the package was not built from its repository.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
 
-/// Empty list of settings, for [`load`].
+/// Empty list of `key=value` settings, for [`load`].
 pub const NO_SETTINGS: [&str; 0] = [];
 
 /// Reads a case file and applies `key=value` settings; the last setting of a key takes precedence.
 ///
 /// # Errors
-/// The file cannot be read, or the file or a setting is invalid; for an invalid value of a key, the error states the
-/// place and the allowed values.
+/// The file cannot be read, or the file or a setting is invalid; for an invalid value of a key, the error states its
+/// position and the allowed values.
 ///
 /// # Examples
 /// ```

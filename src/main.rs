@@ -11,9 +11,11 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::VERSION;
-use wellposed::case::{ContinuumOptions, MediumKind, ModelKind, Yield};
+use wellposed::case::{ContinuumOptions, MediumKind, ModelKind, YieldSetKind};
 use wellposed::cli::new::{self, TemplateKind};
-use wellposed::cli::{self, CheckpointSettings, Error, Options, OutputFormat, cases, signals};
+use wellposed::cli::{
+    self, CheckpointSettings, CommandError, Options, OutputFormat, cases, signals,
+};
 use wellposed::study::MapOptions;
 
 #[cfg(unix)]
@@ -144,7 +146,7 @@ enum Verb {
         #[arg(long = "yield", value_name = "SET", value_parser =
             PossibleValuesParser::new(registry::yield_sets().into_iter().map(|set| set.name))
                 .try_map(parse_yield_set))]
-        yield_set: Option<Yield>,
+        yield_set: Option<YieldSetKind>,
         /// Template of a time-domain simulation, for wellposed run
         #[arg(long = "run")]
         is_simulation: bool,
@@ -212,12 +214,12 @@ fn parse_kind(name: String) -> Result<ModelKind, String> {
     ModelKind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
 }
 
-fn parse_yield_set(name: String) -> Result<Yield, String> {
+fn parse_yield_set(name: String) -> Result<YieldSetKind, String> {
     registry::find_yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
-/// Parses the smallest wall time between checkpoints, s, at least 0; with 0 a checkpoint is written after every batch
-/// of steps.
+/// Parses the smallest wall time between two checkpoints, s, at least 0; with 0 a checkpoint is written after every
+/// batch of steps.
 fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
@@ -232,7 +234,7 @@ impl From<CaseArguments> for Options {
             output_folder: arguments.output_folder,
             force: arguments.force,
             is_dry_run: arguments.is_dry_run,
-            threads: arguments.threads.map(usize::from),
+            thread_count: arguments.threads.map(usize::from),
             accept_ill_posed: false,
         }
     }
@@ -246,9 +248,9 @@ fn main() -> ExitCode {
     };
     let format = verb.output_format();
     #[cfg(unix)]
-    allocator::JSON_ERRORS
+    allocator::PRINTS_JSON_ERRORS
         .store(format == OutputFormat::Json, std::sync::atomic::Ordering::Relaxed);
-    match execute(verb) {
+    match execute_verb(verb) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
@@ -272,7 +274,7 @@ fn report_usage_error(error: &clap::Error) -> ExitCode {
     if wants_json && error.use_stderr() {
         let text = error.render().to_string();
         let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
-        let _ = writeln!(std::io::stderr(), "{}", Error::usage_to_json(message));
+        let _ = writeln!(std::io::stderr(), "{}", CommandError::usage_error_to_json(message));
     } else {
         let _ = error.print();
     }
@@ -297,7 +299,7 @@ impl Verb {
     }
 }
 
-fn execute(verb: Verb) -> Result<(), Error> {
+fn execute_verb(verb: Verb) -> Result<(), CommandError> {
     let mut stdout = std::io::stdout().lock();
     match verb {
         Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {

@@ -1,4 +1,5 @@
-//! Tests of `wellposed dispersion` and `wellposed point` of blocky media: bands, gaps, long waves, damping, refusals.
+//! Tests of `wellposed dispersion` and `wellposed point` for blocky media: branches, band gaps, long waves, damping,
+//! refusals.
 
 use files::npz;
 use serde_json::Value;
@@ -8,7 +9,7 @@ use wellposed::cli::folder::BLOCH_FILES;
 use wellposed::cli::{self, Options, OutputFormat};
 use wellposed::study::{compute_bloch_waves, ignore_progress};
 
-const BLOCKS: &str = "
+const BLOCKY_CASE: &str = "
 [model]
 kind = 'classical'
 lambda = 1.89e10
@@ -30,13 +31,13 @@ shear_speed = 500
 ";
 
 fn elastic_case() -> String {
-    format!("{BLOCKS}kind = 'elastic'\n")
+    format!("{BLOCKY_CASE}kind = 'elastic'\n")
 }
 
 fn viscous_case() -> String {
     // a₁ = 2/(ρ′c₂′²), retardation time 20 µs.
     format!(
-        "{BLOCKS}kind = 'viscous'\ndelayed_compliance = 5.333333333333333e-9\nviscosity = 3750\n"
+        "{BLOCKY_CASE}kind = 'viscous'\ndelayed_compliance = 5.333333333333333e-9\nviscosity = 3750\n"
     )
 }
 
@@ -55,7 +56,7 @@ fn run_dispersion(
         format: if is_json { OutputFormat::Json } else { OutputFormat::Text },
         output_folder: Some(folder.join("out")),
         force: true,
-        threads: Some(threads),
+        thread_count: Some(threads),
         ..Options::default()
     };
     let mut stdout = Vec::new();
@@ -63,16 +64,17 @@ fn run_dispersion(
     Ok(String::from_utf8(stdout).expect("text"))
 }
 
-fn to_json(text: &str) -> Value {
+fn parse_json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
-/// Bands of 5 mm layers: gap, long waves as in the continuum, verdict, files; the same bits for any number of threads.
+/// Verifies the Bloch waves of blocks with elastic layers of 5 mm: band gap, long waves as in the continuum, verdict,
+/// files, and bit-identical results for any number of threads.
 #[test]
-fn bands_of_elastic_joints() {
+fn elastic_joints_have_band_gap_and_continuum_long_waves() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let text = run_dispersion(folder.path(), &elastic_case(), &[], 1, true).expect("a medium");
-    let found = to_json(&text);
+    let found = parse_json(&text);
     assert_eq!((&found["model"], &found["verdict"]), (&"blocky".into(), &"well-posed".into()));
     assert_eq!((&found["stable"], &found["bound"]), (&true.into(), &0.0.into()));
     assert!(found["evidence"]["wave_vectors"].as_u64() > Some(50));
@@ -83,7 +85,7 @@ fn bands_of_elastic_joints() {
         .filter_map(|at| at["name"].as_str())
         .collect();
     assert_eq!(names, ["Γ", "X", "M", "Γ"]);
-    // Computed with polynomials of degree 6 in each block.
+    // Expected frequencies, computed with polynomials of degree 6 in each block.
     let gaps = found["forbidden_bands"].as_array().expect("gaps");
     for (edge, expected) in [100_956.0, 226_531.0].into_iter().enumerate() {
         let value = gaps[0][edge].as_f64().expect("a number");
@@ -126,12 +128,13 @@ fn bands_of_elastic_joints() {
     }
 }
 
-/// The exact chain at κh = π/4 and π/2 in the table of the continuum's specification, kHz.
+/// Verifies the frequencies of the chain of blocks at κh = π/4 and π/2 against exact values in kHz; κ is the wave
+/// number and h the block size.
 #[test]
-fn chain_has_its_exact_frequencies() {
+fn chain_frequencies_agree_with_exact_values() {
     let case = Case::parse(&elastic_case(), "blocks.toml", &[]).expect("a case");
     let found = compute_bloch_waves(&case, &ignore_progress).expect("waves");
-    let chain = found.chains.iter().find(|chain| chain.name == "P").expect("a chain");
+    let chain = found.chain_branches.iter().find(|chain| chain.name == "P").expect("a chain");
     let quarter = std::f64::consts::FRAC_PI_4 / 0.05;
     for (index, expected) in [(1.0, 5.11290), (2.0, 9.73241), (4.0, 14.47159)] {
         let near = |point: &&[f64; 2]| (point[0] - index * quarter).abs() < 1e-6 * quarter;
@@ -140,18 +143,19 @@ fn chain_has_its_exact_frequencies() {
         assert!((frequency / expected - 1.0).abs() < 1e-6, "{frequency} for {expected}");
     }
     // Branches at Γ start at zero; all energies are positive.
-    assert!(found.waves[0].waves[1].frequency < 1.0 && found.evidence.has_positive_energy);
+    assert!(found.path_waves[0].waves[1].frequency < 1.0 && found.evidence.has_positive_energy);
 }
 
 #[test]
 fn viscous_joints_damp_waves() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let found =
-        to_json(&run_dispersion(folder.path(), &viscous_case(), &[], 2, true).expect("a medium"));
+    let found = parse_json(
+        &run_dispersion(folder.path(), &viscous_case(), &[], 2, true).expect("a medium"),
+    );
     assert_eq!((&found["stable"], &found["forbidden_bands"]), (&true.into(), &Value::Null));
     let time = found["joints"][0]["retardation_time"].as_f64().expect("a number");
     assert!((time / 2e-5 - 1.0).abs() < 1e-9);
-    // Slow waves: K_t is a third of the instantaneous one.
+    // For slow waves the tangential joint stiffness K_t is a third of the instantaneous one.
     for wave in found["long_waves"].as_array().expect("directions") {
         for index in 0..2 {
             assert!(wave["difference"][index].as_f64().expect("a number").abs() < 1e-4, "{wave}");
@@ -165,11 +169,12 @@ fn viscous_joints_damp_waves() {
     assert!(table.lines().skip(1).filter(|line| line.starts_with("medium")).any(is_decaying));
 }
 
-/// Masonry has Bloch waves but no continuum; different laws along one axis are refused.
+/// Verifies that masonry (blocks in shifted rows) has Bloch waves but no equivalent continuum, and that joints of
+/// different laws normal to one axis are refused.
 #[test]
-fn media_without_continuum_and_refusals() {
+fn masonry_has_no_continuum_and_mixed_laws_are_refused() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let found = to_json(
+    let found = parse_json(
         &run_dispersion(folder.path(), &elastic_case(), &["block[0].row_shift=0.025"], 2, true)
             .expect("masonry"),
     );
@@ -182,7 +187,7 @@ fn media_without_continuum_and_refusals() {
 }
 
 #[test]
-fn point_analyses_the_blocks_and_says_so() {
+fn point_analyses_blocks_and_reports_part() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let file = folder.path().join("blocks.toml");
     std::fs::write(&file, elastic_case()).expect("a scratch file");
@@ -197,7 +202,7 @@ fn point_analyses_the_blocks_and_says_so() {
         cli::run_point(&options, &mut stdout).expect("a solid");
         let text = String::from_utf8(stdout).expect("text");
         match format {
-            OutputFormat::Json => assert_eq!(to_json(&text)["part"], "blocks"),
+            OutputFormat::Json => assert_eq!(parse_json(&text)["part"], "blocks"),
             OutputFormat::Text => assert!(text.contains("wellposed dispersion"), "{text}"),
         }
     }

@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::bundled_case;
 use wellposed::case::{Case, SweepParameter};
-use wellposed::cli::{self, Error, Options, OutputFormat};
+use wellposed::cli::{self, CommandError, Options, OutputFormat};
 use wellposed::report::Report;
 use wellposed::setup::check::solid::WavePlan;
 use wellposed::study::check::solid::compute_branch_results;
@@ -31,7 +31,7 @@ fn create_check_options(file: PathBuf, sets: &[&str], out: Option<PathBuf>) -> O
 }
 
 /// Runs `wellposed check` on a case file with settings; returns the printed report and the result.
-fn run_check(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
+fn run_check(file: PathBuf, sets: &[&str]) -> (Value, Result<(), CommandError>) {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let mut printed = Vec::new();
     let out = folder.path().join("out");
@@ -46,17 +46,18 @@ fn run_check(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     (report, result)
 }
 
-/// Maximum norm of the difference between measured and predicted rate of a wave, relative to the predicted frequency.
+/// Returns the maximum norm of the difference between measured and predicted rate of a wave, relative to the predicted
+/// frequency.
 fn relative_error_norm(row: &BranchResult) -> f64 {
     row.measured_difference().expect("a measurement").max_norm()
 }
 
-/// Waves and solver settings that check the material of a case.
+/// Creates the waves and solver settings for checking the material of a case.
 fn create_wave_plan(case: &Case, extent: CheckExtent) -> WavePlan {
     WavePlan::new(case, &case.material, extent)
 }
 
-/// Copy of a plan with changed solver settings.
+/// Returns a copy of a plan with changed solver settings.
 fn with_settings(plan: &WavePlan, change: impl Fn(&mut SolverSettings)) -> WavePlan {
     let mut plan = plan.clone();
     change(&mut plan.settings);
@@ -370,7 +371,7 @@ fn invalid_check_sections_are_refused() {
         ("check.cells=[20]", "two to 5"),
         ("check.cells=[4, 8]", "at least 8"),
         ("check.cell=[20, 30]", "cells"),
-        // Too many steps: the natural rotation is much faster than such a wave.
+        // A measurement would take too many steps, since the natural rotation is much faster than such a wave.
         ("check.numbers=[2e-6]", "cell-updates"),
     ];
     for (set, message) in invalid_settings {
@@ -430,7 +431,7 @@ fn report_is_bit_identical_for_any_number_of_threads() {
         let mut printed = Vec::new();
         let out = Some(folder.path().join("out"));
         let options = create_check_options(bundled_case("check/cubic-plane.toml"), &[], out);
-        cli::run_check(&Options { threads: Some(threads), ..options }, &mut printed)
+        cli::run_check(&Options { thread_count: Some(threads), ..options }, &mut printed)
             .expect("agreement");
         printed
     });
@@ -504,8 +505,8 @@ fn growth_orders_under_grid_refinement_agree_with_prediction() {
     }
 }
 
-/// Verifies that the check of refined grids reports its progress within each grid, not only after it, and that it can be
-/// cancelled within a grid.
+/// Verifies that the check of refined grids reports its progress within each grid, not only after it, and that it can
+/// be cancelled within a grid.
 #[test]
 fn refinement_reports_progress_within_each_grid() {
     let settings = ["check.cells=[16, 32]", "check.numbers=[500]", "check.directions_deg=[20]"];
@@ -580,8 +581,8 @@ fn verdict_names_disagreeing_band_gap() {
         wellposed::check_agreement(&case, CheckExtent::Short, &ignore_progress).expect("a result");
     assert!(found.to_text(&case).contains(": all agree"));
     let CheckOutcome::Solid(solid) = &mut found.outcome else { panic!("a solid") };
-    solid.media[0].agrees = Some(false);
-    solid.media[0].forbidden_bands[0].agrees = false;
+    solid.medium_checks[0].is_in_agreement = Some(false);
+    solid.medium_checks[0].band_gaps[0].is_in_agreement = false;
     let text = found.to_text(&case);
     assert!(text.contains(": band gaps DISAGREE") && !text.contains("all agree"), "{text}");
 }

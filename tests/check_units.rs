@@ -11,12 +11,12 @@ use wellposed::report;
 use wellposed::study::check::CheckExtent;
 use wellposed::study::ignore_progress;
 
-/// Report on a case, as written to `check.json`.
+/// Computes the report on a case, as written to `check.json`.
 fn compute_report(case: &Case, extent: CheckExtent) -> Result<Value, Error> {
     report::to_json(&wellposed::check_agreement(case, extent, &ignore_progress)?)
 }
 
-/// Exponents of mass, length and time of a unit that is a product of powers; `None` for other units.
+/// Returns the exponents of mass, length and time of a unit that is a product of powers; `None` for other units.
 fn parse_unit_exponents(unit: &str) -> Option<[i32; 3]> {
     let mut sum = [0; 3];
     let mut sign = 1;
@@ -50,7 +50,7 @@ fn parse_unit_exponents(unit: &str) -> Option<[i32; 3]> {
     Some(sum)
 }
 
-/// Material with values in units that are 2^−powers times the units of mass, length and time.
+/// Returns a material with values in units that are 2^−powers times the units of mass, length and time.
 fn scale_material(material: &Material, powers: [i32; 3]) -> Material {
     let mut scaled = material.clone();
     for parameter in SweepParameter::all_parameters() {
@@ -65,7 +65,7 @@ fn scale_material(material: &Material, powers: [i32; 3]) -> Material {
     scaled
 }
 
-/// Case with values in units that are 2^−powers times the units of mass, length and time.
+/// Returns a case with values in units that are 2^−powers times the units of mass, length and time.
 fn scale_case(case: &Case, powers: [i32; 3]) -> Case {
     let mut scaled = case.clone();
     scaled.material = scale_material(&case.material, powers);
@@ -82,7 +82,7 @@ fn scale_case(case: &Case, powers: [i32; 3]) -> Case {
     scaled
 }
 
-/// All rows of a report, of all media.
+/// Returns all branches or modes of a report, of all media.
 fn report_rows(report: &Value) -> Vec<&Value> {
     let media = report["media"].as_array().into_iter().flatten();
     let rows = media.chain([report]).filter_map(|medium| medium["rows"].as_array());

@@ -1,4 +1,4 @@
-//! Tests of the program from outside: verbs, exit codes, results folders, mutated files.
+//! Tests of the program as a process: verbs, exit codes, results folders, mutated files.
 
 mod mutation;
 mod program;
@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::CASES;
 use wellposed::case::{Case, ModelKind, TimeDomainRun};
-use wellposed::cli::folder::result_names;
+use wellposed::cli::folder::result_file_names;
 
 const TEST_FOLDER: &str = "command_line";
 
@@ -309,7 +309,7 @@ fn resolved_case_gives_bit_identical_results() {
     assert_eq!(written(), before);
     run_with_exit_code(0, &here, "point out/untitled/case.toml --out elsewhere");
     assert!(bits("out/untitled") == first && bits("elsewhere") == first);
-    // A case changed by hand or by an option is refused, since it would overwrite its own file.
+    // A case that was edited or is changed by an option is refused, since it would overwrite its file.
     run_with_exit_code(
         2,
         &here,
@@ -412,7 +412,7 @@ fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String
         _ if message.contains("panicked") => Err(message),
         Some(0) => {
             let is_known = |name: &String| {
-                result_names().any(|known| known == name) || *name == "program.json"
+                result_file_names().any(|known| known == name) || *name == "program.json"
             };
             match entries.iter().find(|name| !is_known(name) && *name != "case.toml") {
                 Some(name) => Err(format!("{name} was left behind")),

@@ -36,7 +36,7 @@ fn run_dispersion(folder: &Path, case: &str, sets: &[&str]) -> Result<Value, Str
     Ok(serde_json::from_slice(&stdout).expect("JSON"))
 }
 
-/// Family of waves with a polarisation, from a report.
+/// Returns the family of waves with a polarisation from a report.
 fn find_family<'a>(report: &'a Value, polarisation: &str) -> &'a Value {
     let families = report["families"].as_array().expect("a list");
     families.iter().find(|f| f["polarisation"] == polarisation).expect("such waves")

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use wellposed::CASES;
 use wellposed::case::Case;
-use wellposed::cli::folder::{is_snapshot, result_names};
+use wellposed::cli::folder::{is_snapshot_name, result_file_names};
 
 fn repository_root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -20,7 +20,7 @@ fn read_document(name: &str) -> String {
         .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// Paths of all documents, relative to the root.
+/// Returns the paths of all documents, relative to the root.
 fn document_paths() -> Vec<String> {
     let docs = fs::read_dir(repository_root().join("docs")).expect("docs");
     let docs = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("text"));
@@ -29,8 +29,8 @@ fn document_paths() -> Vec<String> {
     others.map(str::to_owned).into_iter().chain(pages).collect()
 }
 
-/// Paths of all files and folders of the repository, relative to the root, except `.git`, `target` and `out` in it;
-/// folders end with a slash.
+/// Lists the paths of all files and folders of the repository, relative to the root, except `.git`, `target` and `out`
+/// in it; folders end with a slash.
 fn list_repository_paths() -> BTreeSet<String> {
     fn collect_paths(folder: &Path, prefix: &str, names: &mut BTreeSet<String>) {
         for entry in fs::read_dir(folder).expect("a folder") {
@@ -74,7 +74,7 @@ impl DocumentCode {
     }
 }
 
-/// Link anchor of a heading.
+/// Returns the link anchor of a heading.
 fn heading_anchor(headline: &str) -> String {
     let is_anchor_character = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
     headline
@@ -129,10 +129,10 @@ fn paths_in_documents_exist() {
             true => **path == word || **path == format!("cases/{word}"),
             false => **path == word || path.ends_with(&end),
         };
-        let is_result = result_names().chain(["case.toml", "program.json", "log.txt"]);
+        let is_result = result_file_names().chain(["case.toml", "program.json", "log.txt"]);
         tree.iter().any(|path| is_named(&path) || path.trim_end_matches('/') == word)
             || is_result.into_iter().any(|name| name == word)
-            || is_snapshot(word)
+            || is_snapshot_name(word)
             || word.starts_with("out/")
     };
     let starts_with_folder = |word: &str| {
@@ -175,19 +175,39 @@ fn extract_commands(block: &str) -> Vec<String> {
         let line = line.trim().trim_start_matches("$ ");
         let programs = ["wellposed ", "cargo run --release -- "];
         let arguments = programs.iter().find_map(|program| line.strip_prefix(program))?;
-        // Without comment and without redirection of the output.
+        // The comment and the redirection of the output are removed.
         let end = [" #", " >"].iter().filter_map(|mark| arguments.find(mark)).min();
         Some(arguments[..end.unwrap_or(arguments.len())].trim().to_owned())
     };
     joined.lines().filter_map(command).collect()
 }
 
+/// Splits a command at spaces outside single quotes, and removes the quotes, as the shell does.
+fn split_shell_words(command: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    for (index, part) in command.split('\'').enumerate() {
+        if index % 2 == 1 {
+            words.last_mut().expect("a word").push_str(part);
+            continue;
+        }
+        for (place, piece) in part.split(' ').enumerate() {
+            if place > 0 {
+                words.push(String::new());
+            }
+            words.last_mut().expect("a word").push_str(piece);
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
 /// Checks that the program accepts a command: as a dry run if its verb takes a case; with `--help` if it has
 /// placeholders for other arguments.
 fn check_command(command: &str) {
     let case = "cases/granular-flow/noncoaxiality-bound.toml";
+    let words = split_shell_words(command);
     let arguments: Vec<&str> =
-        command.split_whitespace().filter(|word| *word != "--dry-run").collect();
+        words.iter().map(String::as_str).filter(|word| *word != "--dry-run").collect();
     let is_placeholder =
         |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
@@ -396,7 +416,7 @@ fn python_examples_name_existing_arrays() {
     assert!(count >= 10, "{count}");
 }
 
-/// Names of the arrays in a result file of a bundled case, which is run for a short time.
+/// Runs a bundled case for a short time and returns the names of the arrays in one of its result files.
 fn run_and_list_arrays(case: &str, file: &str) -> Vec<String> {
     let end = format!("/{case}.toml");
     let (path, _) = CASES.iter().find(|(path, _)| path.ends_with(&end)).expect("a bundled case");

@@ -12,7 +12,7 @@ fn run_in_root(arguments: &[&str]) -> Output {
     run_with_arguments(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
 }
 
-/// Names of the files announced by a dry run; a range of snapshots is expanded.
+/// Returns the names of the files announced by a dry run; a range of snapshots is expanded.
 fn parse_announced_files(text: &str, folder: &Path) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for line in text.lines().filter_map(|line| line.strip_prefix("would write ")) {
@@ -82,7 +82,7 @@ fn dry_run_lists_files_of_state_studies() {
 fn dry_run_lists_files_of_checks() {
     let short = ["check.numbers=[1]", "check.directions_deg=[30]", "check.cells=[12, 16]"];
     check_announced_files("check", "check/cubic-plane.toml", &short, &["check.png"]);
-    // A case that cannot be measured.
+    // This case cannot be measured, since no solver supports it.
     check_announced_files("check", "granular-flow/dilatant-domain.toml", &[], &["check.png"]);
     let short = ["check.numbers=[1000]", "check.directions_deg=[30]"];
     check_announced_files("check", "flow/decay.toml", &short, &["check.png"]);

@@ -158,6 +158,122 @@ fn loads_below_flush_threshold_are_refused() {
     assert!(!stderr.contains("residual of the energy ledger"), "{stderr}");
 }
 
+/// Verifies that amplitudes whose products with time functions and profiles, or whose sums, are out of range are
+/// refused, with the position of the table.
+#[test]
+fn overflowing_products_of_amplitudes_are_refused() {
+    let more = "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 2\n\
+                profile = { kind = 'table', samples = [[0, 1], [25, 2]] }\n\
+                time = { kind = 'table', samples = [[0, 0], [0.1, 1]] }\n\
+                [[source]]\nkind = 'explosion'\namplitude = 1e4\nat = [15, 10]\n\
+                time = { kind = 'table', file = 'source.csv' }\n";
+    let case = SOLID_CASE.replace("[output]", &format!("{more}[output]"));
+    let here = create_case_folder(TEST_FOLDER, "products", &case);
+    let write_samples =
+        |last: &str| std::fs::write(here.join("source.csv"), format!("0,0\n0.1,{last}\n")).unwrap();
+    write_samples("1");
+    let arguments = "run case.toml --out out --dry-run";
+    run_with_exit_code(0, &here, arguments);
+    // The impedance is 5.5e5 Pa·s/m: each value alone is in the range, up to 1e90 and in single precision to 1e12.
+    for (settings, key) in [
+        ("load[1].time={kind=\"table\",samples=[[0,0],[0.1,1e85]]}", "load[1].time.samples"),
+        ("load[1].time={kind=\"table\",samples=[[0,0],[0.1,-1e305]]}", "load[1].time.samples"),
+        ("load[1].time={kind=\"table\",samples=[[0,0],[0.1,1e-150]]}", "load[1].time.samples"),
+        ("load[1].profile={kind=\"table\",samples=[[0,0],[25,1e85]]}", "load[1].profile.samples"),
+    ] {
+        assert_refused(
+            &here,
+            &format!("--set {settings}"),
+            key,
+            "waves from 1e-140 to 1e90 in f64",
+        );
+    }
+    let f32 = "--set scheme.precision=\"f32\"";
+    let setting = "load[1].profile.samples=[[0,0],[25,1e7]]";
+    let message = "found values up to 10000000.0 times 2.0: waves of";
+    assert_refused(&here, &format!("{f32} --set {setting}"), "load[1].profile.samples", message);
+    write_samples("1e10");
+    assert_refused(
+        &here,
+        f32,
+        "case.toml:41: source[0].time.file",
+        "waves from 1e-20 to 1e12 in f32",
+    );
+    run_with_exit_code(0, &here, arguments);
+    // Two loads, each of which is in the range.
+    write_samples("1");
+    let settings = "--set load[0].amplitude=6e89 --set source[0].amplitude=1.4e89";
+    assert_refused(&here, settings, "source[0].amplitude", "the loads and sources before it");
+}
+
+/// Verifies that initial states, initial stresses and weights that overflow are refused.
+#[test]
+fn overflowing_initial_states_are_refused() {
+    let pulse = "[[initial]]\nkind = 'plane-pulse'\nwave = 'S'\nat = [15, 12]\namplitude = 1\n\
+                 time = { kind = 'table', samples = [[-0.01, 0], [0, 1], [0.01, 0]] }\n";
+    let classical = SOLID_CASE
+        .replace("'reduced-cosserat'", "'classical'")
+        .replace("alpha = 3e7\n", "")
+        .replace("inertia = 300\n", "")
+        .replace(", 'phi3'", "")
+        .replace("[yield]\nkind = 'von-mises'\nstrength = 2e4\n", "")
+        .replace("[output]", &format!("{pulse}[output]"));
+    let here = create_case_folder(TEST_FOLDER, "plane-pulses", &classical);
+    run_with_exit_code(0, &here, "run case.toml --out out --dry-run");
+    let setting = "--set initial[0].time.samples=[[-0.01,0],[0,1e85],[0.01,0]]";
+    assert_refused(&here, setting, "initial[0].time.samples", "waves of");
+    let terms = "[[initial]]\nkind = 'rotation'\nshape = 'everywhere'\nangle_deg = 0\n\
+                 [[initial]]\nkind = 'rigid-rotation'\nshape = 'everywhere'\nat = [15, 12]\nrate = 0\n\
+                 [initial_stress]\nsigma11 = 0\n\
+                 [gravity]\nacceleration = [0, -9.81]\nbalanced = false\n";
+    let case = SOLID_CASE.replace("[output]", &format!("{terms}[output]"));
+    let here = create_case_folder(TEST_FOLDER, "initial-states", &case);
+    run_with_exit_code(0, &here, "run case.toml --out out --dry-run");
+    for (settings, key) in [
+        ("initial[0].angle_deg=1e85", "initial[0]"),
+        ("initial[1].rate=1e85", "initial[1]"),
+        ("initial[1].rate=1.7e308", "initial[1]"),
+        ("initial_stress.sigma11=1e91", "initial_stress.sigma11"),
+        ("gravity.acceleration=[0,1e87]", "gravity.acceleration"),
+        ("gravity.acceleration=[0,1e300] --set gravity.balanced=true", "gravity.acceleration"),
+    ] {
+        assert_refused(&here, &format!("--set {settings}"), key, "to 1e90 in f64");
+    }
+}
+
+/// Verifies that joints whose constants, masses, stiffnesses or impedances are out of the range of the precision are
+/// refused.
+#[test]
+fn joints_out_of_range_are_refused() {
+    let case = include_str!("../cases/blocky/pulse-breaking.toml");
+    let here = create_case_folder(TEST_FOLDER, "joints", case);
+    let f32 = "--set scheme.precision=\"f32\"";
+    run_with_exit_code(0, &here, &format!("run case.toml --out out --dry-run {f32}"));
+    for (settings, key, message) in [
+        (
+            "--set joint[0].shear_strength=1e16",
+            "joint[0].shear_strength",
+            "numbers from 1e-15 to 1e15",
+        ),
+        ("--set joint[0].thickness=1e-16", "joint[0].thickness", "numbers from 1e-15 to 1e15"),
+        ("--set joint[0].longitudinal_speed=1e14", "joint[0]", "the impedance √(mK) 1.5e17 Pa·s/m"),
+        (
+            "--set joint[0].thickness=1e-15 --set joint[0].longitudinal_speed=1e10 \
+             --set joint[0].density=1e4",
+            "joint[0]",
+            "the stiffness 1.0e39 Pa/m",
+        ),
+        ("--set joint[0].density=1e9", "joint[0]", "the mass 1.0e6 kg/m²"),
+    ] {
+        assert_refused(&here, &format!("{f32} {settings}"), key, message);
+        // In double precision all of these are in the range.
+        run_with_exit_code(0, &here, &format!("run case.toml --out out --dry-run {settings}"));
+    }
+    assert_refused(&here, "--set joint[0].thickness=1e-95", "joint[0].thickness", "in f64");
+    let mass = "--set joint[0].thickness=1e14 --set joint[0].density=1e6";
+    assert_refused(&here, mass, "joint[0]", "the mass 1.0e20 kg/m²");
+}
+
 /// Verifies that sources and initial velocities below the threshold of flushing to zero are refused.
 #[test]
 fn sources_below_flush_threshold_are_refused() {

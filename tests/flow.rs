@@ -80,7 +80,7 @@ impl HomogeneousFlow {
 
     fn linearised_system(&self) -> LinearisedSystem<2> {
         let mut system = LinearisedSystem::default();
-        self.model.symbol(&self.flow, &mut system);
+        self.model.write_symbol(&self.flow, &mut system);
         system
     }
 
@@ -105,8 +105,8 @@ impl HomogeneousFlow {
     }
 }
 
-/// Fields of a wave with the mode numbers `mode` at the grid points: velocity with the transverse amplitude `velocity`,
-/// and internal variable with the amplitude `inner`.
+/// Computes the fields of a wave with the mode numbers `mode` at the grid points: velocity with the transverse
+/// amplitude `velocity`, and internal variable with the amplitude `inner`.
 fn compute_wave_fields(
     problem: &FlowProblem,
     mode: ModeNumbers,
@@ -140,15 +140,15 @@ fn add_wave(
     flow.perturb([&v1, &v2], &inner).expect("a stress");
 }
 
-/// Complex amplitudes of a mode: transverse velocity V, with v̂ = V(−k₂, k₁)/k, from the vorticity amplitude ζ̂ = ikV;
-/// and internal variable (spin ω or stress angle ψ).
+/// Returns the complex amplitudes of a mode: transverse velocity V, with v̂ = V(−k₂, k₁)/k, from the vorticity
+/// amplitude ζ̂ = ikV; and internal variable (spin ω or stress angle ψ).
 fn transverse_amplitudes(flow: &FlowSolver, mode: ModeNumbers) -> [Complex64; 2] {
     let [k1, k2] = flow.wave_vector(mode);
     let [[vorticity, inner], _] = flow.mode_amplitudes(mode).expect("kept");
     [vorticity / (Complex64::I * k1.hypot(k2)), inner]
 }
 
-/// Time derivatives of the amplitudes of [`transverse_amplitudes`].
+/// Returns the time derivatives of the amplitudes of [`transverse_amplitudes`].
 fn transverse_amplitude_rates(
     flow: &FlowSolver,
     mode: ModeNumbers,
@@ -163,8 +163,8 @@ fn transverse_amplitude_rates(
     [vorticity / (Complex64::I * square.sqrt()) - velocity * stretch, inner]
 }
 
-/// Matrix of the linearised rates of V and of the internal variable (ω or ψ), 1/s, by central differences of the
-/// nonlinear right-hand side; for the plastic potential only its first entry is defined.
+/// Computes the matrix of the linearised rates of V and of the internal variable (ω or ψ), 1/s, by central differences
+/// of the nonlinear right-hand side; for the plastic potential only its first entry is defined.
 fn linearise_right_hand_side(
     problem: &FlowProblem,
     mode: ModeNumbers,
@@ -271,8 +271,8 @@ fn check_spectra() {
     }
 }
 
-/// Amplitudes of an advected (Kelvin) wave from the linearised equations, integrated with many steps of the classical
-/// Runge–Kutta method.
+/// Computes the amplitudes of an advected (Kelvin) wave from the linearised equations, integrated with many steps of
+/// the classical Runge–Kutta method.
 fn integrate_kelvin_wave(
     background: &HomogeneousFlow,
     initial_wave_vector: [f64; 2],

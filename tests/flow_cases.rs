@@ -9,7 +9,7 @@ use support::{NO_CHECKPOINTS, parse_case, replace_first};
 use wellposed::case::flow::{FlowPerturbation, FlowQuantity, FlowRun, PerturbedField};
 use wellposed::case::{Case, ModelKind};
 use wellposed::cli::new::{self, TemplateKind};
-use wellposed::cli::{self, Error, Options};
+use wellposed::cli::{self, CommandError, Options};
 
 /// Flow case with every section; tests refer to its line numbers.
 const FLOW_CASE: &str = include_str!("data/flow.toml");
@@ -18,7 +18,7 @@ fn parse_flow_run(text: &str) -> FlowRun {
     parse_case(text).unwrap().flow_run.unwrap()
 }
 
-/// Case of a model without spin.
+/// Formats the case of a model without spin.
 fn format_case_without_spin(kind: &str, inner: &str) -> String {
     let text =
         replace_first(FLOW_CASE, "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
@@ -259,7 +259,7 @@ fn missing_and_misplaced_sections_are_refused() {
     );
 }
 
-fn execute_dry_run(folder: &Path, case: &str) -> Result<String, Error> {
+fn execute_dry_run(folder: &Path, case: &str) -> Result<String, CommandError> {
     let file = folder.join("case.run.toml");
     fs::write(&file, case).unwrap();
     let out = Some(folder.join("out"));

@@ -17,12 +17,12 @@ use support::{
     read_columns, run_case,
 };
 use wellposed::case::Case;
-use wellposed::cli::{self, Error, Options};
+use wellposed::cli::{self, CommandError, Options};
 use wellposed::report::format::format_short;
 
 const TEST_FOLDER: &str = "flow_run";
 
-/// Case of a flow in simple shear with an initial noise perturbation.
+/// Formats the case of a flow in simple shear with an initial noise perturbation.
 fn format_case(model: &str, background: &str, duration: f64, rest: &str) -> String {
     format!(
         "[model]
@@ -52,7 +52,7 @@ fn format_case(model: &str, background: &str, duration: f64, rest: &str) -> Stri
 const HARRIS_GREKOVA_MODEL: &str =
     "kind = 'harris-grekova'\nmoment_of_inertia = 1.25e-7\nrotational_strength = 0";
 
-/// Case of a perturbation that decays.
+/// Formats the case of a perturbation that decays.
 fn format_decaying_case(rest: &str) -> String {
     format_case(
         HARRIS_GREKOVA_MODEL,
@@ -74,15 +74,15 @@ snapshot_interval = 2.5e-4
 ";
 
 /// Runs a flow, ill-posed or not, and returns the printed text.
-fn run_flow(folder: &Path, case: &str, threads: usize) -> Result<String, Error> {
+fn run_flow(folder: &Path, case: &str, threads: usize) -> Result<String, CommandError> {
     run_case(&Options {
-        threads: Some(threads),
+        thread_count: Some(threads),
         accept_ill_posed: true,
         ..create_run_options(folder, case)
     })
 }
 
-/// Final fields of a run by name.
+/// Reads the final fields of a run by name.
 fn read_fields(out: &Path) -> HashMap<String, Vec<f64>> {
     read_arrays_by_name(&out.join("fields.npz"))
 }
@@ -373,7 +373,10 @@ fn bundled_flows_decay_or_grow_as_described() {
             // Without `--accept-ill-posed` the run is refused and writes nothing.
             let refused = Options { accept_ill_posed: false, ..options.clone() };
             let error = cli::run_simulation(&refused, NO_CHECKPOINTS, &mut Vec::new()).unwrap_err();
-            assert!(matches!(error, Error::IllPosed(_)) && error.exit_code() == 2, "{error}");
+            assert!(
+                matches!(error, CommandError::IllPosed(_)) && error.exit_code() == 2,
+                "{error}"
+            );
             assert!(!out.exists());
         }
         match cli::run_simulation(&options, NO_CHECKPOINTS, &mut Vec::new()) {

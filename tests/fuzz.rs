@@ -18,9 +18,9 @@ use std::time::{Duration, Instant};
 use testkit::random::RandomNumbers;
 
 /// Longest time for which a process may run without writing a line to standard error.
-const PROGRESS_LIMIT: Duration = Duration::from_secs(20);
+const MAX_SILENT_TIME: Duration = Duration::from_secs(20);
 /// Longest time from the signal SIGINT to the end of the process.
-const INTERRUPT_LIMIT: Duration = Duration::from_secs(10);
+const MAX_INTERRUPT_TIME: Duration = Duration::from_secs(10);
 
 /// Verbs drawn at random; repeated ones are drawn more often. One is misspelt, and one is missing.
 const VERBS: &[&str] = &[
@@ -99,18 +99,18 @@ const SETTINGS: &[&str] = &[
     "[1e3, 1e3]",
 ];
 
-/// Exit status and output of a process.
-struct ProgramEnd {
-    /// Whether SIGINT was sent.
+/// Exit status and output of a process that ran the program.
+struct ProgramOutcome {
+    /// Whether SIGINT was sent to the process.
     is_interrupted: bool,
     status: ExitStatus,
     stdout: String,
     stderr: String,
-    /// Message if the process exceeded [`PROGRESS_LIMIT`] or [`INTERRUPT_LIMIT`].
+    /// Message if the process exceeded [`MAX_SILENT_TIME`] or [`MAX_INTERRUPT_TIME`].
     timeout: Option<String>,
 }
 
-/// Words of a random command line, with settings of keys of the case `text`.
+/// Builds the words of a random command line, with settings of keys of the case `text`.
 fn build_command_line(text: &str, random: &mut RandomNumbers) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let verb = VERBS[random.uniform_index(VERBS.len())];
@@ -137,11 +137,11 @@ fn build_command_line(text: &str, random: &mut RandomNumbers) -> Vec<String> {
                 .extend(OPTIONS[random.uniform_index(OPTIONS.len())].split(' ').map(str::to_owned));
         }
     }
-    // No argument of a process holds NUL.
+    // Arguments of a process cannot contain NUL.
     words.iter().map(|word| word.replace('\0', "")).collect()
 }
 
-/// `key=value` with a key of the case and a random value.
+/// Builds a setting `key=value` with a key of the case and a random value.
 fn build_setting(text: &str, random: &mut RandomNumbers) -> String {
     let mut section = String::new();
     let mut keys = Vec::new();
@@ -161,7 +161,7 @@ fn build_setting(text: &str, random: &mut RandomNumbers) -> String {
 }
 
 /// Runs the program, which receives SIGINT after `interrupt_delay`.
-fn run_with_interrupt(here: &Path, words: &[String], interrupt_delay: Duration) -> ProgramEnd {
+fn run_with_interrupt(here: &Path, words: &[String], interrupt_delay: Duration) -> ProgramOutcome {
     let mut child = Command::new(PROGRAM_PATH)
         .current_dir(here)
         .args(words)
@@ -206,19 +206,19 @@ fn run_with_interrupt(here: &Path, words: &[String], interrupt_delay: Duration) 
                 send_signal(&child, "INT");
                 interrupted = Some(elapsed);
             }
-            Some(since) if elapsed - since > INTERRUPT_LIMIT => {
-                timeout = Some(format!("no end {INTERRUPT_LIMIT:?} after SIGINT"));
+            Some(since) if elapsed - since > MAX_INTERRUPT_TIME => {
+                timeout = Some(format!("no end {MAX_INTERRUPT_TIME:?} after SIGINT"));
                 let _ = child.kill();
             }
-            _ if silence > PROGRESS_LIMIT => {
-                timeout = Some(format!("no line for {PROGRESS_LIMIT:?}"));
+            _ if silence > MAX_SILENT_TIME => {
+                timeout = Some(format!("no line for {MAX_SILENT_TIME:?}"));
                 let _ = child.kill();
             }
             _ => {}
         }
         std::thread::sleep(Duration::from_millis(if elapsed.as_millis() < 200 { 2 } else { 20 }));
     };
-    ProgramEnd {
+    ProgramOutcome {
         is_interrupted: interrupted.is_some(),
         status,
         stdout: printed.join().unwrap(),
@@ -227,7 +227,7 @@ fn run_with_interrupt(here: &Path, words: &[String], interrupt_delay: Duration) 
     }
 }
 
-/// First line of `text` that contains a number which is not finite.
+/// Returns the first line of `text` that contains a number which is not finite.
 fn find_non_finite_line(text: &str) -> Option<String> {
     let is_part = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '.');
     text.lines().find_map(|line| {
@@ -236,8 +236,8 @@ fn find_non_finite_line(text: &str) -> Option<String> {
     })
 }
 
-/// Description of a wrong reaction of the program, if any.
-fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String> {
+/// Returns the description of a wrong reaction of the program; `None` if the reaction is right.
+fn find_wrong_reaction(here: &Path, words: &[String], end: &ProgramOutcome) -> Option<String> {
     if let Some(timeout) = &end.timeout {
         return Some(timeout.clone());
     }
@@ -274,7 +274,7 @@ fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String>
         }
     }
     if code == 0 {
-        // A word `nan` or `inf` in a text of the case, for example in its title, would count as such a number, too.
+        // A word `nan` or `inf` in a text of the case, such as its title, would also count as a non-finite number.
         if let Some(line) = find_non_finite_line(&end.stdout) {
             return Some(format!("exit code 0 with {line:?}"));
         }
@@ -293,7 +293,7 @@ fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String>
     None
 }
 
-/// Passes the mutants with indices in `range`, each with its own random command line, to the program, on all cores.
+/// Runs the program on all cores with the mutants of the indices in `range`, each with a random command line.
 fn run_mutants(range: Range<usize>, seed: u64) {
     let count = range.len();
     let mutants =
@@ -325,7 +325,7 @@ fn run_mutants(range: Range<usize>, seed: u64) {
                     let place =
                         [0, 1, 2, 3].iter().position(|&code| end.status.code() == Some(code));
                     codes[place.unwrap_or(4)].fetch_add(1, Ordering::Relaxed);
-                    if let Some(fault) = find_fault(&here, &words, &end) {
+                    if let Some(fault) = find_wrong_reaction(&here, &words, &end) {
                         let case = String::from_utf8_lossy(&mutant);
                         let arguments = words.join(" ");
                         let report =

@@ -12,16 +12,16 @@ use std::fs;
 use support::{bundled_case, read_arrays_by_name, read_columns, run_case};
 use wellposed::cli::Options;
 
-/// Results of a run of a case, by name.
+/// Results of a run of a bundled case, by name of the column or field.
 struct HalfSpaceRun {
     fields: HashMap<String, Vec<f64>>,
     receivers: HashMap<String, Vec<f64>>,
     ledger: HashMap<String, Vec<f64>>,
     /// Names of the result files.
-    files: Vec<String>,
+    file_names: Vec<String>,
 }
 
-/// Runs a bundled case with settings.
+/// Runs a bundled case with settings and reads its results.
 fn run_bundled_case(name: &str, sets: &[String]) -> HalfSpaceRun {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let out = folder.path().join("out");
@@ -37,16 +37,16 @@ fn run_bundled_case(name: &str, sets: &[String]) -> HalfSpaceRun {
         fields: read_arrays_by_name(&out.join("fields.npz")),
         receivers: read_arrays_by_name(&out.join("receivers.npz")),
         ledger: read_columns(&out.join("ledger.csv")).into_iter().collect(),
-        files: files.map(|f| f.expect("a file").file_name().into_string().unwrap()).collect(),
+        file_names: files.map(|f| f.expect("a file").file_name().into_string().unwrap()).collect(),
     }
 }
 
-/// Maximum magnitude of values.
+/// Returns the maximum magnitude of values.
 fn max_magnitude(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |max, value| max.max(value.abs()))
 }
 
-/// Time (s) of the maximum magnitude, from the parabola through it and its neighbours.
+/// Returns the time, s, of the maximum magnitude, from the parabola through the maximum and its neighbours.
 fn peak_time(time: &[f64], values: &[f64]) -> f64 {
     let middle = (1..values.len() - 1).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
     let middle = middle.expect("values");
@@ -59,8 +59,8 @@ const LOAD_AMPLITUDE: f64 = -1e5;
 /// Radius of the bell over which this load is distributed, m.
 const LOAD_RADIUS: f64 = 1.0;
 
-/// Displacements u₁ and u₂ (m) at points due to a force on the surface x₂ = 0, distributed as the bell, with the
-/// Ricker time function: by Fourier transform along x₁ and Laplace transform in time (Lamb 1904).
+/// Computes the displacements u₁ and u₂, m, at points due to a force on the surface x₂ = 0, distributed as the bell,
+/// with the Ricker time function: by Fourier transform along x₁ and Laplace transform in time (Lamb 1904).
 ///
 /// Potentials φ = A exp(q_p x₂) and ψ = B exp(q_s x₂), with q² = k² + s²/c², satisfy zero shear stress and the
 /// pressure of the load on the surface. The sum over k represents a spatially periodic load; its period is so
@@ -104,7 +104,7 @@ fn compute_displacements(
             let rayleigh = square_sum * square_sum - 4.0 * k * k * q_p * q_s;
             let a = LOAD_AMPLITUDE * bell * load * half * spacing / PI * square_sum
                 / (solid.mu * rayleigh);
-            // B = −ib, b real for real q.
+            // The amplitude B is imaginary for real q: B = −ib with real b.
             let b = 2.0 * k * q_p * a / square_sum;
             for (sum, [x_1, x_2]) in sums.iter_mut().zip(points) {
                 let [by_p, by_s] = [q_p, q_s].map(|q| (q * x_2).exp());
@@ -227,7 +227,7 @@ fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
         assert!(max_record("block.u1") < 0.02 * max_record("mirrored.u1"));
         assert!(max_record("block.v3") < 0.02 * max_record("mirrored.v3"));
         assert!(max_record("before.u1") > 0.0 && max_record("behind.u1") > 0.0);
-        // The index along x₁ varies fastest.
+        // In the arrays of fields the index along x₁ varies fastest.
         for (name, sign) in [("v1", 1.0), ("v2", -1.0), ("v3", 1.0), ("sigma11", 1.0), ("u1", 1.0)]
         {
             let values = &output.fields[name];
@@ -243,7 +243,7 @@ fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
         let last = |name: &str| output.ledger[name].last().copied().expect("lines");
         let share = last("balance") / last("boundary_work");
         println!("{cells} cells: the scheme took {:.1} % of the work", -100.0 * share);
-        let snapshots = output.files.iter().filter(|name| name.ends_with(".vti")).count();
+        let snapshots = output.file_names.iter().filter(|name| name.ends_with(".vti")).count();
         assert_eq!(snapshots, if cells == 40 { 3 } else { 0 });
         share
     });
@@ -257,7 +257,7 @@ struct PlasticEffects {
     /// Mean rotations over two squares of edge 0.8 m, the upper one below the edge of the loaded strip and the lower
     /// one adjacent to it, rad.
     mean_rotations: [f64; 2],
-    /// Dissipated energy, J/m.
+    /// Plastically dissipated energy, J/m.
     dissipated_energy: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Tests of `wellposed homogenise`: the table of constants, the written case in other verbs, refusals, JSON.
+//! Tests of `wellposed homogenise`: reported constants, the written case in other verbs, refusals, JSON report.
 
 mod program;
 
@@ -58,17 +58,18 @@ fn run_json(folder: &Path, arguments: &str) -> Value {
     serde_json::from_str(&stdout).expect("JSON")
 }
 
-/// The table of the slides' parameters: δ, m; P, long S and short S speeds, m/s; f*, kHz; K_t h/μ.
-const TABLE: [(f64, [f64; 3], f64, f64); 3] = [
+/// Reference values by layer thickness δ, m: speeds of P waves, long S waves and short S waves, m/s; natural frequency
+/// f* of block rotation, kHz; stiffness ratio K_t h/μ.
+const REFERENCE_CONSTANTS: [(f64, [f64; 3], f64, f64); 3] = [
     (1e-4, [4769.6, 2670.5, 6463.5], 91.8, 7.7),
     (1e-3, [3551.9, 1565.6, 2418.2], 28.9, 0.77),
     (5e-3, [2010.1, 761.7, 1097.8], 12.65, 0.154),
 ];
 
 #[test]
-fn reported_constants_are_those_of_the_table() {
+fn reported_constants_agree_with_reference_values() {
     let folder = create_case_folder(TEST_FOLDER, "table", BLOCKY_CASE);
-    for (thickness, speeds, frequency, ratio) in TABLE {
+    for (thickness, speeds, frequency, ratio) in REFERENCE_CONSTANTS {
         let arguments = format!(
             "homogenise case.toml --set joint[0].thickness={thickness:e} --out out.toml --force --format json"
         );
@@ -101,7 +102,7 @@ fn reported_constants_are_those_of_the_table() {
     }
 }
 
-/// The written case is read by `point`, `dispersion` and `run`; a written file or folder is named by `--out`.
+/// Verifies that `point`, `dispersion` and `run` read the written case, and that `--out` names its file or its folder.
 #[test]
 fn written_case_is_read_by_other_verbs() {
     let folder = create_case_folder(TEST_FOLDER, "round-trip", BLOCKY_CASE);
@@ -153,14 +154,14 @@ fn files_are_not_overwritten_without_force() {
     assert!(stderr.contains("exists already") && stderr.contains("--force"), "{stderr}");
     run_with_exit_code(0, &folder, "homogenise case.toml --force");
     assert_eq!(fs::read(folder.join("case-continuum.toml")).expect("a file"), before);
-    // The case itself is not overwritten by mistake either.
+    // The blocky case itself is not overwritten either.
     run_with_exit_code(2, &folder, "homogenise case.toml --out case.toml");
     assert_eq!(fs::read_to_string(folder.join("case.toml")).expect("a file"), BLOCKY_CASE);
 }
 
-/// Refusals name file, line, key, found and allowed values.
+/// Verifies that refusals name file, line, key, found value and allowed values.
 #[test]
-fn other_cases_are_refused() {
+fn cases_without_equivalent_continuum_are_refused() {
     let folder = create_case_folder(TEST_FOLDER, "refused", BLOCKY_CASE);
     let refuse = |arguments: &str, key: &str, remedy: &str| {
         let line = format!("homogenise {arguments} --format json");
@@ -199,6 +200,6 @@ fn library_returns_the_case_without_writing() {
     let own = found.yield_set.expect("a yield set");
     assert_eq!([own.shear_strength, own.shear_friction], [1e6, 0.5]);
     assert!((own.couple_strength / (0.05 / 6.0 * 5e5) - 1.0).abs() < 1e-12);
-    let again = Case::parse(&found.continuum.toml, "again.toml", &[]).expect("a case");
-    assert_eq!(again.to_toml(), found.continuum.case.to_toml());
+    let again = Case::parse(&found.continuum_case.toml, "again.toml", &[]).expect("a case");
+    assert_eq!(again.to_toml(), found.continuum_case.case.to_toml());
 }

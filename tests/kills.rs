@@ -14,7 +14,20 @@ use testkit::random::RandomNumbers;
 
 const TEST_FOLDER: &str = "kills";
 
-/// Verbs executed concurrently with the run.
+/// Case with the verbs that are executed concurrently with its run.
+struct KilledCase {
+    text: &'static str,
+    verbs: &'static [&'static str],
+}
+
+const KILLED_SOLID: KilledCase = KilledCase { text: SOLID_CASE, verbs: &CONCURRENT_VERBS };
+
+/// Blocks with several laws of joints are not periodic: they have no Bloch waves.
+const KILLED_JOINTS: KilledCase = KilledCase {
+    text: JOINT_CASE,
+    verbs: &[CONCURRENT_VERBS[0], CONCURRENT_VERBS[2], CONCURRENT_VERBS[3]],
+};
+
 const CONCURRENT_VERBS: [&str; 4] = [
     "speeds case.toml --out out --threads 1",
     "dispersion case.toml --out out --threads 1",
@@ -26,7 +39,7 @@ const CONCURRENT_VERBS: [&str; 4] = [
 const REFUSAL_MESSAGES: [&str; 2] = ["holds no results", "the run is finished"];
 
 /// Checks exit code and messages of a process.
-fn check_exit(arguments: &str, child: Child, was_killed: bool) {
+fn check_exit_code_and_messages(arguments: &str, child: Child, was_killed: bool) {
     let output = child.wait_with_output().unwrap();
     let [stdout, stderr] =
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
@@ -55,9 +68,11 @@ fn run_arguments(here: &Path) -> String {
     }
 }
 
-/// Executes one run with at most `kills` kills until it is finished; returns the number of kills.
+/// Executes one run with at most `kills` kills, and `verbs` at the same time, until it is finished; returns the number of
+/// kills.
 fn run_with_kills(
     here: &Path,
+    verbs: &[&str],
     kills: usize,
     duration: Duration,
     random: &mut RandomNumbers,
@@ -72,7 +87,7 @@ fn run_with_kills(
         let may_kill = killed < kills;
         let end = Instant::now() + duration.mul_f64(1.1 * random.unit_interval());
         while run.try_wait().unwrap().is_none() && !(may_kill && Instant::now() > end) {
-            let verb = CONCURRENT_VERBS[random.uniform_index(CONCURRENT_VERBS.len())];
+            let verb = verbs[random.uniform_index(verbs.len())];
             let mut other = start_program(here, verb);
             // Half of the concurrent verbs are killed as well.
             let is_killed = may_kill && random.uniform_index(2) == 0;
@@ -80,40 +95,42 @@ fn run_with_kills(
                 std::thread::sleep(Duration::from_micros(random.next_bits() % 60_000));
                 let _ = other.kill();
             }
-            check_exit(verb, other, is_killed);
+            check_exit_code_and_messages(verb, other, is_killed);
         }
         let is_running = run.try_wait().unwrap().is_none();
         if may_kill && is_running {
             run.kill().unwrap();
             killed += 1;
         }
-        check_exit(&arguments, run, may_kill && is_running);
+        check_exit_code_and_messages(&arguments, run, may_kill && is_running);
     }
     killed
 }
 
-/// Executes the run and the concurrent verbs without kills; returns the result files and the duration of the run.
-fn run_without_kills() -> (BTreeMap<String, Vec<u8>>, Duration) {
-    let here = create_case_folder(TEST_FOLDER, "whole", SOLID_CASE);
+/// Executes the run of a case and the concurrent verbs without kills; returns the result files and the duration of the
+/// run.
+fn run_without_kills(case: &KilledCase, seed: u64) -> (BTreeMap<String, Vec<u8>>, Duration) {
+    let here = create_case_folder(TEST_FOLDER, &format!("whole{seed}"), case.text);
     let start = Instant::now();
     run_with_exit_code(0, &here, RUN_ARGUMENTS);
     let duration = start.elapsed();
-    CONCURRENT_VERBS.iter().for_each(|verb| drop(run_with_exit_code(0, &here, verb)));
+    case.verbs.iter().for_each(|verb| drop(run_with_exit_code(0, &here, verb)));
     (read_result_files(&here.join("out")), duration)
 }
 
-/// Checks that runs with `count` kills in all have the same result files as a run without kills.
-fn check_runs_with_kills(count: usize, seed: u64) {
-    let (expected, duration) = run_without_kills();
+/// Checks that runs of a case with `count` kills in all have the same result files as a run without kills.
+fn check_runs_with_kills(case: &KilledCase, count: usize, seed: u64) {
+    let (expected, duration) = run_without_kills(case, seed);
     let mut random = RandomNumbers::new(seed);
     let (mut killed, mut runs) = (0, 0);
     while killed < count {
-        let here = create_case_folder(TEST_FOLDER, &format!("killed{seed}-{runs}"), SOLID_CASE);
-        killed += run_with_kills(&here, 1 + random.uniform_index(4), duration, &mut random);
+        let here = create_case_folder(TEST_FOLDER, &format!("killed{seed}-{runs}"), case.text);
+        let kills = 1 + random.uniform_index(4);
+        killed += run_with_kills(&here, case.verbs, kills, duration, &mut random);
         runs += 1;
         assert!(here.join("out/run.json").exists(), "run {runs} is not finished");
         // Repeating the verbs restores the files missing after kills; there are no other files.
-        CONCURRENT_VERBS.iter().for_each(|verb| drop(run_with_exit_code(0, &here, verb)));
+        case.verbs.iter().for_each(|verb| drop(run_with_exit_code(0, &here, verb)));
         let found = read_result_files(&here.join("out"));
         assert!(found.keys().eq(expected.keys()), "run {runs}: {:?}", found.keys());
         for (name, bytes) in &expected {
@@ -126,11 +143,18 @@ fn check_runs_with_kills(count: usize, seed: u64) {
 
 #[test]
 fn results_are_bit_identical_after_four_kills() {
-    check_runs_with_kills(4, 1);
+    check_runs_with_kills(&KILLED_SOLID, 4, 1);
 }
 
 #[test]
 #[ignore = "takes long"]
 fn results_are_bit_identical_after_a_hundred_kills() {
-    check_runs_with_kills(100, 2);
+    check_runs_with_kills(&KILLED_SOLID, 100, 2);
+}
+
+/// Verifies that the memory of joints (slip, fracture, pores, fluid) survives kills.
+#[test]
+#[ignore = "takes long"]
+fn results_of_joints_are_bit_identical_after_twenty_kills() {
+    check_runs_with_kills(&KILLED_JOINTS, 20, 3);
 }

@@ -15,7 +15,7 @@ const SOLID_CASE_PATH: &str = "cases/cosserat/forbidden-band.toml";
 #[test]
 fn all_crates_are_reexported() {
     let solid = wellposed::models::registry::COSSERAT;
-    let law = solid.example().expect("examples are in range");
+    let law = solid.build_example_law().expect("examples are in range");
     assert_eq!(law.theory(), solid.theory);
     let medium = wellposed::dynamics::medium::Medium::new(law, 2);
     assert!(medium.max_speed() > 0.0);

@@ -4,6 +4,7 @@
 mod program;
 
 use program::*;
+use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use testkit::random::RandomNumbers;
@@ -131,20 +132,24 @@ fn interrupted_check_ends_within_ten_seconds() {
     assert!(!here.join("out").exists());
 }
 
-/// Announced memory and peak resident memory of a run, bytes.
+/// Returns the announced memory and the peak resident memory of a run, bytes.
 fn measure_memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
     let here = create_case_folder(TEST_FOLDER, name, case);
     let arguments = format!("run case.toml --out out --threads 1 --checkpoint-every 0 {settings}");
-    let output = run_program(&here, &format!("{arguments} --dry-run"));
+    (announced_memory(&here, &arguments), measure_peak_memory(&here, &arguments))
+}
+
+/// Memory that the dry run of a run announces, bytes.
+fn announced_memory(here: &std::path::Path, arguments: &str) -> f64 {
+    let output = run_program(here, &format!("{arguments} --dry-run"));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let value_and_unit: Vec<&str> =
         text.split_once("memory ").expect(&text).1.split([' ', ';']).take(2).collect();
     let unit = ["KiB", "MiB", "GiB"].iter().position(|unit| *unit == value_and_unit[1]).unwrap();
-    let announced = value_and_unit[0].parse::<f64>().unwrap() * 1024f64.powi(1 + unit as i32);
-    (announced, measure_peak_memory(&here, &arguments))
+    value_and_unit[0].parse::<f64>().unwrap() * 1024f64.powi(1 + unit as i32)
 }
 
-/// Peak resident memory of a process, bytes.
+/// Runs a process and returns its peak resident memory, bytes.
 fn measure_peak_memory(here: &std::path::Path, arguments: &str) -> f64 {
     let mut child = create_command(here, arguments).spawn().unwrap();
     let mut status = 0;
@@ -160,7 +165,33 @@ fn measure_peak_memory(here: &std::path::Path, arguments: &str) -> f64 {
     1024.0 * usage.ru_maxrss as f64
 }
 
-/// Verifies the announced memory against the peak memory for media and grids of many shapes: large, wide, thin, plates and columns.
+/// Verifies that a check prints a progress line within 20 s while it prepares a fine grid, which takes longer, without
+/// a terminal.
+#[test]
+fn check_without_progress_prints_lines() {
+    let here = create_case_folder(TEST_FOLDER, "progress-lines", "");
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/check/grid-dependence.toml");
+    let arguments = format!("check {case} --out out --threads 1 --set check.cells=[1534,1536]");
+    let start = Instant::now();
+    let mut child = start_program(&here, &arguments);
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let first = lines.next().expect("a line").unwrap();
+    let elapsed = start.elapsed();
+    send_signal(&child, "INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(first.starts_with("check: ") && first.contains(" %, "), "{first}");
+    assert!(elapsed < Duration::from_secs(20), "{elapsed:?}");
+}
+
+/// Checks that the announced memory of a run is within 15 % of its peak memory.
+fn assert_memory_is_announced(name: &str, case: &str, settings: &str) {
+    let (announced, peak) = measure_memory(name, case, settings);
+    println!("{settings}: {:.0} MiB, said {:.0}", peak / 1048576.0, announced / 1048576.0);
+    assert!((announced - peak).abs() < 0.15 * peak, "{settings}: {peak:e}, said {announced:e}");
+}
+
+/// Verifies the announced memory against the peak memory for media and grids of many shapes: large, small, wide, thin,
+/// plates and columns.
 #[test]
 #[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
 fn peak_memory_agrees_with_announced_memory() {
@@ -199,6 +230,11 @@ spacing = 1
         (cosserat_model, "700,500", snapshots),
         (cosserat_model, "60,60,60", snapshots),
         (cosserat_model, "400,400", full_ledger),
+        (cosserat_model, "2,40000", ""),
+        (cosserat_model, "2,80000", full_ledger),
+        (SOLID_MODEL, "200,200", ""),
+        (SOLID_MODEL, "1000,1000", full_ledger),
+        (SOLID_MODEL, "200000,2", full_ledger),
     ]
     .into_iter()
     .enumerate()
@@ -206,22 +242,51 @@ spacing = 1
         let settings = format!("--set grid.cells=[{cells}] --set time.duration=1e-3 {settings}");
         let case = case.replace("spacing", "cells = [1, 1]\nspacing");
         let case = case.clone() + "[time]\nduration = 1\n";
-        let (announced, peak) = measure_memory(&format!("memory-{index}"), &case, &settings);
-        println!(
-            "[{cells}] {settings}: {:.0} MiB, said {:.0}",
-            peak / 1048576.0,
-            announced / 1048576.0
-        );
-        assert!(
-            (announced - peak).abs() < 0.15 * peak,
-            "[{cells}] {settings}: {peak:e}, said {announced:e}"
-        );
+        assert_memory_is_announced(&format!("memory-{index}"), &case, &settings);
     }
 }
 
+/// Verifies the announced memory of blocky media against the peak memory, for few and many joints, with and without
+/// snapshots.
+#[test]
+#[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
+fn peak_memory_of_blocky_media_agrees_with_announced_memory() {
+    let case = include_str!("../cases/blocky/pulse-breaking.toml");
+    let without_snapshots = "--set output.snapshot_interval=0";
+    for (index, (blocks, settings)) in [
+        ("", ""),
+        ("", without_snapshots),
+        ("--set block[0].repeat=[200,100] --set block[0].cells=[10,10]", ""),
+        ("--set block[0].repeat=[300,150] --set block[0].cells=[3,3]", without_snapshots),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let origin = if blocks.is_empty() { "" } else { "--set block[0].origin=[-7.5,-7.5]" };
+        let settings = format!("{blocks} {origin} --set time.duration=1e-4 {settings}");
+        assert_memory_is_announced(&format!("blocky-memory-{index}"), case, &settings);
+    }
+}
+
+/// Limits of the address space relative to the memory that a run announces, drawn in turn.
+const LIMIT_KINDS: [LimitKind; 4] =
+    [LimitKind::Insufficient, LimitKind::Near, LimitKind::Sufficient, LimitKind::Near];
+
+#[derive(Clone, Copy, PartialEq)]
+enum LimitKind {
+    /// Less than announced: the run must be refused.
+    Insufficient,
+    /// From half to six times the announced memory: the run must be refused or finish.
+    Near,
+    /// Enough for the announced memory and for the address space that threads reserve: the run must finish.
+    Sufficient,
+}
+
 /// Runs random grids under random limits of the address space: each run must be refused or finish, and none may abort.
+/// The limits follow from the announced memory, so that a quarter of the runs must be refused and a quarter must finish,
+/// whatever the seed and the machine.
 fn survive_memory_limits(count: usize, seed: u64) {
-    const SOLID: &str = "
+    const SOLID_SECTIONS: &str = "
 [model]
 kind = 'classical'
 lambda = 1.2e8
@@ -241,7 +306,8 @@ snapshot_interval = 0
     let mut random = RandomNumbers::new(seed);
     let (mut finished, mut refused) = (0, 0);
     for index in 0..count {
-        let here = create_case_folder(TEST_FOLDER, &format!("limited-{seed}-{index}"), SOLID);
+        let here =
+            create_case_folder(TEST_FOLDER, &format!("limited-{seed}-{index}"), SOLID_SECTIONS);
         let cells = match random.uniform_index(3) {
             0 => format!("{},{}", 100 + random.uniform_index(900), 100 + random.uniform_index(900)),
             1 => format!(
@@ -262,9 +328,18 @@ snapshot_interval = 0
                 settings += &format!(" --set {more}");
             }
         }
-        // Limits from 40 MB, less than the 60 MB that the program needs to start, to 1.6 GB, more than the largest of
-        // these runs needs.
-        let kibibytes = (40_000.0 * 40f64.powf(random.unit_interval())) as u64;
+        let kind = LIMIT_KINDS[index % LIMIT_KINDS.len()];
+        let announced =
+            announced_memory(&here, &format!("run case.toml --out out --threads 1 {settings}"));
+        let part = random.unit_interval();
+        let limit = match kind {
+            LimitKind::Insufficient => (0.3 + 0.7 * part) * announced,
+            LimitKind::Near => 0.5 * 12f64.powf(part) * announced,
+            // Each of the threads reserves 64 MiB of address space for its allocations.
+            LimitKind::Sufficient => (1.5 + part) * announced + 512.0 * 1_048_576.0,
+        };
+        // The system cannot load the program in less than 40 MB.
+        let kibibytes = (limit / 1024.0).max(40_000.0) as u64;
         let output = std::process::Command::new("sh")
             .current_dir(&here)
             .args(["-c", "ulimit -v $0 && exec $1 run case.toml --out out --threads 1 $2"])
@@ -274,8 +349,8 @@ snapshot_interval = 0
         let errors = String::from_utf8_lossy(&output.stderr).into_owned();
         let report = format!("{kibibytes} KiB, {settings}: {:?}\n{errors}", output.status);
         match output.status.code() {
-            Some(0) => finished += 1,
-            Some(2) => {
+            Some(0) if kind != LimitKind::Insufficient => finished += 1,
+            Some(2) if kind != LimitKind::Sufficient => {
                 assert!(errors.contains("memory") || errors.contains("thread"), "{report}");
                 refused += 1;
             }

@@ -135,9 +135,15 @@ cells = [16, 24]
         assert_eq!(point.verdict(), Some(&Verdict::WellPosed), "{active}");
         let checked = wellposed::check_agreement(&case, CheckExtent::Short, &ignore_progress)
             .unwrap_or_else(|error| panic!("{active}: {error}"));
-        assert_eq!(checked.agrees, Some(true), "{active}: {checked:?}");
+        assert_eq!(checked.is_in_agreement, Some(true), "{active}: {checked:?}");
         let CheckOutcome::Solid(solid) = &checked.outcome else { panic!("a solid") };
-        assert!(solid.media[0].rows.iter().any(|row| row.limit.is_some()), "{active}");
+        assert!(
+            solid.medium_checks[0]
+                .branch_checks
+                .iter()
+                .any(|row| row.extrapolated_result.is_some()),
+            "{active}"
+        );
     }
 
     // Messages and the reference of keys contain the name of the yield set, and the template contains its example.

@@ -4,7 +4,7 @@ mod support;
 
 use support::{Columns, create_run_options, format_periodic_boundaries, read_columns, run_case};
 use wellposed::case::Case;
-use wellposed::cli::Error;
+use wellposed::cli::CommandError;
 
 const MODEL_SECTION: &str = "
 [model]
@@ -15,7 +15,7 @@ density = 2000
 ";
 
 /// Runs a case and returns the receiver table and the ledger.
-fn run_and_read_tables(case: &str) -> Result<[Columns; 2], Error> {
+fn run_and_read_tables(case: &str) -> Result<[Columns; 2], CommandError> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     run_case(&create_run_options(folder.path(), case))?;
     let out = folder.path().join("out");
@@ -29,7 +29,7 @@ fn oblique_pulses_converge_to_exact_waves() {
     let speeds = [(2.6e8f64 / 2000.0).sqrt(), (8e7f64 / 2000.0).sqrt()];
     for (wave, direction, speed) in [("P", 200.0f64, speeds[0]), ("S", 35.0, speeds[1])] {
         let (sin, cos) = direction.to_radians().sin_cos();
-        // Receiver 3 m from the pulse.
+        // The receiver is 3 m from the centre of the pulse.
         let at = [20.0 + 3.0 * cos, 20.0 + 3.0 * sin];
         let period = 8.0 / speed;
         let errors = [80, 160].map(|cells| {
@@ -123,7 +123,7 @@ fn pulses_across_layers_and_with_spin_are_refused() {
     );
 }
 
-/// Receiver table for loads on the upper boundary of a periodic strip, computed with a linear scheme.
+/// Runs loads on the upper boundary of a periodic strip with a linear scheme, and returns the receiver table.
 fn run_with_loads(loads: &[&str]) -> Columns {
     let loads: String = loads
         .iter()

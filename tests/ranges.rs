@@ -7,7 +7,8 @@ use wellposed::case::{Case, Key, MediumKind, keys};
 use wellposed::study::map::PointStatus;
 use wellposed::study::{MapOptions, ignore_progress};
 
-/// Message with which the program refuses the state with another value of a key; `None` if the state is accepted.
+/// Returns the message with which the program refuses the state with another value of a key; `None` if the state is
+/// accepted.
 fn refusal_message(text: &str, key: &Key, value: f64) -> Option<String> {
     let set = format!("{}={value:?}", key.name);
     let state = Case::parse(text, "x.toml", &[set]).map_err(wellposed::Error::from);

@@ -13,7 +13,7 @@ use wellposed::cli::Options;
 
 /// Runs a case with a number of threads.
 fn run_with_threads(folder: &Path, case: &str, threads: usize) {
-    let options = Options { threads: Some(threads), ..create_run_options(folder, case) };
+    let options = Options { thread_count: Some(threads), ..create_run_options(folder, case) };
     run_case(&options).expect("a sound case");
 }
 
@@ -57,9 +57,9 @@ fn receivers_interpolate_with_fourth_order() {
         // receivers; for it the bound is a coarse one.
         if boundaries.is_empty() {
             for (error, h) in errors.iter().zip([0.1f64, 0.05]) {
-                // Extrapolation by half a cell beyond the centres: (½·3/2·5/2·7/2)/4! h⁴ |f⁗| along one axis, with
-                // |f⁗| ≤ 12/1.5⁴, and the same along the other axis times the sum of the magnitudes of the weights,
-                // 6.
+                // Extrapolation by half a cell from the outermost cell centres: (½·3/2·5/2·7/2)/4! h⁴ |f⁗| along one
+                // axis, with |f⁗| ≤ 12/1.5⁴, and the same along the other axis times the sum of the magnitudes of the
+                // weights, 6.
                 let bound = 6.5625 / 24.0 * 12.0 / 1.5f64.powi(4) * 7.0 * h.powi(4);
                 assert!(*error < bound, "{errors:?}: {bound}");
             }

@@ -13,11 +13,11 @@ use std::f64::consts::PI;
 /// Displacement (m) in the plane at a point (m) and a time (s).
 type DisplacementField<'a> = &'a dyn Fn([f64; 2], f64) -> [f64; 2];
 
-fn first_sample(values: [Vec<f64>; 2]) -> [f64; 2] {
+fn first_values(values: [Vec<f64>; 2]) -> [f64; 2] {
     values.map(|values| values[0])
 }
 
-/// ∫₀ᵗ of the Ricker function, s: (t − delay) e^(−a), a = (π frequency (t − delay))², up to an error of e⁻²².
+/// Returns ∫₀ᵗ of the Ricker function, s: (t − delay) e^(−a), a = (π frequency (t − delay))², up to an error of e⁻²².
 fn integrate_ricker(t: f64) -> f64 {
     let since = t - 1.5 / RICKER.frequency;
     since * (-(PI * RICKER.frequency * since).powi(2)).exp()
@@ -89,23 +89,23 @@ fn plane_fields_satisfy_equations_and_free_surface() {
     for t in [0.1, 0.14, 0.17] {
         for force in [[1e5, 0.0], [0.0, 1e5]] {
             let on_surface = |at: [f64; 2], t: f64| {
-                first_sample(half_plane::lamb_motion(&REFERENCE_SOLID, force, at, &[t], RICKER, 0))
+                first_values(half_plane::lamb_motion(&REFERENCE_SOLID, force, at, &[t], RICKER, 0))
             };
             assert_equation_of_motion(&on_surface, [12.0, 4.0], t);
             assert_traction_free_surface(&on_surface, 12.0, t);
             let inside = |at: [f64; 2], t: f64| {
-                first_sample(full_plane::force_motion(&REFERENCE_SOLID, force, at, &[t], RICKER, 0))
+                first_values(full_plane::force_motion(&REFERENCE_SOLID, force, at, &[t], RICKER, 0))
             };
             assert_equation_of_motion(&inside, [9.0, -7.0], t);
         }
         let garvin = |at: [f64; 2], t: f64| {
-            first_sample(half_plane::garvin_motion(&REFERENCE_SOLID, 1e5, 5.0, at, &[t], RICKER, 0))
+            first_values(half_plane::garvin_motion(&REFERENCE_SOLID, 1e5, 5.0, at, &[t], RICKER, 0))
         };
         assert_equation_of_motion(&garvin, [12.0, 4.0], t);
         assert_equation_of_motion(&garvin, [3.0, 11.0], t);
         assert_traction_free_surface(&garvin, 12.0, t);
         let explosion = |at: [f64; 2], t: f64| {
-            first_sample(full_plane::explosion_motion(&REFERENCE_SOLID, 1e5, at, &[t], RICKER, 0))
+            first_values(full_plane::explosion_motion(&REFERENCE_SOLID, 1e5, at, &[t], RICKER, 0))
         };
         assert_equation_of_motion(&explosion, [9.0, -7.0], t);
     }
@@ -138,7 +138,7 @@ fn plane_fields_have_impulse_of_source() {
     }
     let moment = 4.0
         * sum(&|at| {
-            let v = first_sample(full_plane::explosion_motion(
+            let v = first_values(full_plane::explosion_motion(
                 &REFERENCE_SOLID,
                 1.0,
                 at,
@@ -170,7 +170,7 @@ fn explosions_and_forces_are_reciprocal() {
                 // along x.
                 let mirror = [-1.0, 1.0][k];
                 let on_surface = |at: [f64; 2], t: f64| {
-                    first_sample(half_plane::lamb_motion(
+                    first_values(half_plane::lamb_motion(
                         &REFERENCE_SOLID,
                         force,
                         at,
@@ -192,7 +192,7 @@ fn explosions_and_forces_are_reciprocal() {
                 )[k][0];
                 assert!((garvin - expected).abs() < 1e-4 * size, "{garvin} {expected}");
                 let inside = |at: [f64; 2], t: f64| {
-                    first_sample(full_plane::force_motion(
+                    first_values(full_plane::force_motion(
                         &REFERENCE_SOLID,
                         force,
                         at,
@@ -218,7 +218,7 @@ fn explosions_and_forces_are_reciprocal() {
 
 const INTERVAL_COUNTS: [usize; 2] = [80, 400];
 
-/// Displacement at (x, y, depth z) in three dimensions, due to a unit vertical force.
+/// Returns the displacement, m, at (x, y, depth z) in three dimensions, due to a unit vertical force.
 fn point_force_displacement([x, y, z]: [f64; 3], t: f64, interval_counts: [usize; 2]) -> [f64; 3] {
     let r = x.hypot(y);
     let field = half_space::point_force_motion(
@@ -229,7 +229,7 @@ fn point_force_displacement([x, y, z]: [f64; 3], t: f64, interval_counts: [usize
         (RICKER, 0),
         interval_counts,
     );
-    let [radial, down] = first_sample(field);
+    let [radial, down] = first_values(field);
     [radial * x / r, radial * y / r, down]
 }
 

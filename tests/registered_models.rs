@@ -36,7 +36,7 @@ use wellposed::study::{MapOptions, ignore_progress};
 /// rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SlowRotation {
-    coulomb: MohrCoulomb,
+    mohr_coulomb: MohrCoulomb,
     dilatancy_angle: f64,
     rotation_factor: f64,
 }
@@ -47,7 +47,7 @@ impl SlowRotation {
             to_constant_array(given)?;
         let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
         ROTATION_FACTOR.check(rotation_factor, "a positive number")?;
-        Ok(Self { coulomb, dilatancy_angle, rotation_factor })
+        Ok(Self { mohr_coulomb: coulomb, dilatancy_angle, rotation_factor })
     }
 }
 
@@ -58,11 +58,12 @@ impl FlowLaw for SlowRotation {
     }
 
     fn coulomb(&self) -> &MohrCoulomb {
-        &self.coulomb
+        &self.mohr_coulomb
     }
 
     fn flow_rule(&self) -> FlowRule {
-        let rule = FlowRule::new_double_shearing(self.coulomb.friction_angle, self.dilatancy_angle);
+        let rule =
+            FlowRule::new_double_shearing(self.mohr_coulomb.friction_angle, self.dilatancy_angle);
         FlowRule {
             rotation_coefficient: Rounded::from_rounded(self.rotation_factor)
                 * rule.rotation_coefficient,
@@ -74,9 +75,9 @@ impl FlowLaw for SlowRotation {
         MaterialRotation::StressAxes
     }
 
-    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+    fn write_symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
         let rule = self.flow_rule();
-        let coulomb = &self.coulomb;
+        let coulomb = &self.mohr_coulomb;
         let columns =
             write_shared_equations(system, &EQUATIONS_WITH_ROTATION, false, coulomb, &rule, flow);
         write_stress_axes_rotation(system, 3, &columns, &rule, flow);
@@ -335,7 +336,7 @@ y = { parameter = 'background.pressure', from = 500, to = 2000, points = 3 }";
         &ignore_progress,
     );
     let points = map.expect("a map").points;
-    assert!(points.len() == 12 && points.iter().all(|point| point.order == 1.0));
+    assert!(points.len() == 12 && points.iter().all(|point| point.growth_order == 1.0));
 
     let run = parse_case(&format!("{FLOW_CASE}{RUN_SECTIONS}"));
     let settings = SimulationSettings { accept_ill_posed: true };
@@ -344,7 +345,7 @@ y = { parameter = 'background.pressure', from = 500, to = 2000, points = 3 }";
     let checked =
         wellposed::check_agreement(&parse_case(FLOW_CASE), CheckExtent::Short, &ignore_progress)
             .expect("a check");
-    assert_eq!(checked.agrees, Some(true), "{checked:?}");
+    assert_eq!(checked.is_in_agreement, Some(true), "{checked:?}");
 }
 
 const SOLID_CASE: &str = "
@@ -389,7 +390,7 @@ y = { parameter = 'model.density', from = 1000, to = 2000, points = 2 }";
     let checked =
         wellposed::check_agreement(&parse_case(SOLID_CASE), CheckExtent::Short, &ignore_progress)
             .expect("a check");
-    assert_eq!(checked.agrees, Some(true), "{checked:?}");
+    assert_eq!(checked.is_in_agreement, Some(true), "{checked:?}");
 }
 
 /// Verifies verdict, run and check for a shear load on the upper boundary of a block that yields in shear.
@@ -412,7 +413,7 @@ strength = 1e6
     let checked =
         wellposed::check_agreement(&parse_case(&active), CheckExtent::Short, &ignore_progress)
             .expect("a check");
-    assert_eq!(checked.agrees, Some(true), "{checked:?}");
+    assert_eq!(checked.is_in_agreement, Some(true), "{checked:?}");
 
     let run = "
 [grid]
@@ -439,7 +440,7 @@ time = { kind = 'step', duration = 0.02 }
     let shear = fields.get("sigma12").expect("the shear stress");
     let max_shear = shear.iter().fold(0.0f64, |max, value| max.max(value.abs()));
     assert!((0.99e6..=1e6 * (1.0 + 1e-12)).contains(&max_shear), "{max_shear}");
-    assert!(fields.dissipation.iter().sum::<f64>() > 0.0);
+    assert!(fields.plastic_dissipation.iter().sum::<f64>() > 0.0);
 }
 
 #[test]
@@ -493,7 +494,7 @@ shear_dilatancy = 0.5
         let set = kind.build_set(solid.theory, &examples).expect("examples make a set");
         let force = [[0.0, 1e9, 0.0], [1e9, 0.0, 0.0], [0.0; 3]];
         let trial = Stress { force, ..Stress::default() };
-        let law = solid.example().expect("examples make a law");
+        let law = solid.build_example_law().expect("examples make a law");
         let found = set.project(&law, &trial);
         let excess = set.yield_function(&found.stress) / set.yield_function(&trial);
         assert!(excess.abs() < 1e-12 && found.energy_lost > 0.0, "{}: {excess}", medium.title());

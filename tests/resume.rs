@@ -3,8 +3,8 @@
 mod program;
 
 use program::{
-    PROGRAM_PATH, RUN_ARGUMENTS, SOLID_CASE, create_case_folder, create_command, interrupt_run,
-    read_result_files, run_program, send_signal, wait_for_file,
+    JOINT_CASE, PROGRAM_PATH, RUN_ARGUMENTS, SOLID_CASE, create_case_folder, create_command,
+    interrupt_run, read_files, read_result_files, run_program, send_signal, wait_for_file,
 };
 use std::fs;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ fn create_solid_folder(name: &str) -> PathBuf {
     create_case_folder("resume", name, SOLID_CASE)
 }
 
-/// Verifies that runs killed at twenty times and resumed until finished give the same files.
+/// Verifies that runs killed at eight times of their duration and resumed until finished give the same files.
 #[test]
 fn eight_killed_runs_resume_to_bit_identical_files() {
     check_killed_runs("eight", 8);
@@ -69,6 +69,41 @@ fn check_killed_runs(name: &str, count: u32) {
             assert!(file == other, "{index}: {} differs from {}", file.0, other.0);
         }
         assert_eq!(found.len(), expected.len(), "{index}");
+    }
+}
+
+/// Returns the largest absolute value of a quantity of the faces of joints in a file of lines.
+fn largest_face_value(file: &[u8], name: &str) -> f64 {
+    let values = files::vti::read_plain_values(file, name).expect(name);
+    values.iter().filter(|value| !value.is_nan()).fold(0.0, |largest, own| largest.max(own.abs()))
+}
+
+/// Verifies that a run with joints, stopped after faces have slipped, broken and opened and while the fluid moves, has the
+/// same files as the run without interruption: the checkpoint contains the memory of the faces.
+#[cfg(unix)]
+#[test]
+fn interrupted_runs_with_joints_resume_to_bit_identical_files() {
+    let whole = create_case_folder("resume", "joints-whole", JOINT_CASE);
+    assert!(run_program(&whole, RUN_ARGUMENTS).status.success());
+    let expected = read_result_files(&whole.join("out"));
+    for (name, snapshot, threads) in [("joints-early", 3, 2), ("joints-late", 9, 1)] {
+        let here = create_case_folder("resume", name, JOINT_CASE);
+        let name = format!("joints-{snapshot:08}.vtp");
+        interrupt_run(&here, RUN_ARGUMENTS, &name);
+        let stopped = read_files(&here.join("out"));
+        assert!(!stopped.contains_key("run.json"), "the run is finished");
+        let memory = ["slip [m]", "opening [m]", "fracture_time [s]", "pressure [Pa]"];
+        for quantity in memory {
+            assert!(largest_face_value(&stopped[&name], quantity) > 0.0, "{quantity}");
+        }
+        assert!(run_program(&here, &format!("resume out --threads {threads}")).status.success());
+        let found = read_result_files(&here.join("out"));
+        assert!(found.keys().eq(expected.keys()), "{:?}", found.keys());
+        for (file, bytes) in &expected {
+            assert!(found[file] == *bytes, "{name}: {file} differs");
+        }
+        // The state still changes after the interruption.
+        assert!(stopped[&name] != found["joints.vtp"]);
     }
 }
 

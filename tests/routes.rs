@@ -41,11 +41,11 @@ impl RouteComparison {
         state: &MaterialState,
     ) -> Self {
         let (model, flow) = states::build_flow(kind, parameters, state);
-        let closed_form = model.closed_form(&flow);
+        let closed_form = model.closed_form_verdict(&flow);
         let assessed = workspace.assess(&model, &flow).expect("finite coefficients").verdict;
         let difference = closed_form.and_then(|verdict| {
             let quantity = find_difference(&Verdict::from(verdict), &assessed, |from| {
-                mirrored_direction(kind, parameters, state, from)
+                find_mirror_direction(kind, parameters, state, from)
             })?;
             Some(format!(
                 "{quantity}: {verdict:?} against {assessed:?} for {kind:?}, {parameters:?}, {state:?}"
@@ -54,7 +54,7 @@ impl RouteComparison {
         Self { closed_form, difference }
     }
 
-    /// Name of the closed-form verdict.
+    /// Returns the name of the closed-form verdict.
     fn closed_form_name(&self) -> &'static str {
         match self.closed_form {
             None => "declined",
@@ -67,8 +67,8 @@ impl RouteComparison {
     }
 }
 
-/// Quantity in which two verdicts differ; `None` if they agree. `mirror_direction` returns the second direction with
-/// equal growth; a closed form may give either of the two.
+/// Returns the quantity in which two verdicts differ; `None` if they agree. `mirror_direction` returns the second
+/// direction with equal growth; a closed form may give either of the two.
 fn find_difference(
     closed_form: &Verdict,
     assessed: &Verdict,
@@ -97,12 +97,12 @@ fn find_difference(
     (is_far(*direction) && is_far(mirror_direction(*direction))).then_some("direction")
 }
 
-/// The other direction in which waves grow as in `direction`, or `direction` itself if there is none.
+/// Returns the other direction in which waves grow as in `direction`, or `direction` itself if there is none.
 ///
 /// Growth in the plastic potential is symmetric about the principal axes of stress. In the dilatant model of
 /// Harris & Grekova the leading coefficient a − b cos β + d sin β vanishes at two angles β = 2(ψ − direction), with the
 /// stress angle ψ; their mean is −atan2(d, b).
-fn mirrored_direction(
+fn find_mirror_direction(
     kind: FlowKind,
     parameters: &FlowParameters,
     state: &MaterialState,
@@ -270,7 +270,7 @@ fn both_routes_agree_near_noncoaxiality_bounds_with_dilatancy() {
 /// zero of 𝒜 in the growth rate ς ≈ −k² q cos(φ − 2ν) 𝒜²/(2ρQ_D D), and ς does not pass through infinity there; the
 /// other zero of D remains.
 #[test]
-fn both_routes_agree_at_coincident_zeros_of_highest_coefficient_and_growth() {
+fn both_routes_agree_at_coincident_zeros_of_leading_coefficient_and_growth_rate() {
     for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
         let states = (0..400usize).into_par_iter().map(|index| {
             let random = &mut create_random_numbers(0xc0 + index as u64);
@@ -363,7 +363,7 @@ fn maps_by_both_routes_are_equal() {
                 case_path: cases.join(case).with_extension("toml"),
                 settings: sets.map(str::to_owned).to_vec(),
                 output_folder: Some(out.clone()),
-                threads: Some(threads),
+                thread_count: Some(threads),
                 ..Options::default()
             };
             let map_options = MapOptions { is_model_blind, ..MapOptions::default() };

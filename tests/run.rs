@@ -13,7 +13,7 @@ use support::{
     COSSERAT_MODEL, column_values, create_run_options, format_periodic_boundaries,
     read_arrays_by_name, read_columns, run_case,
 };
-use wellposed::cli::{Error, Options};
+use wellposed::cli::{CommandError, Options};
 
 const CLASSICAL_MODEL: &str = "
 [model]
@@ -24,11 +24,11 @@ density = 1900
 ";
 
 /// Runs a case and returns the printed text.
-fn run_in_folder(folder: &Path, case: &str) -> Result<String, Error> {
+fn run_in_folder(folder: &Path, case: &str) -> Result<String, CommandError> {
     run_case(&create_run_options(folder, case))
 }
 
-/// Message with which a case is refused, from the line number on.
+/// Returns the message with which a case is refused, from the line number on.
 fn refusal_message(case: &str) -> String {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let error = run_in_folder(folder.path(), case).expect_err("a wrong case");
@@ -98,7 +98,8 @@ fn plane_waves_have_frequencies_of_equations_of_motion() {
     }
 }
 
-/// Short case of two layers with gravity, yielding, fixed and non-reflecting boundaries, and additional sections.
+/// Formats a short case of two layers with gravity, yielding, fixed and non-reflecting boundaries, and additional
+/// sections.
 fn format_layered_case(extra: &str) -> String {
     format!(
         "{CLASSICAL_MODEL}
@@ -159,7 +160,7 @@ fn results_are_bit_identical_for_any_number_of_threads() {
     for threads in [1, 2, 3, 7] {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let case = create_run_options(folder.path(), &format_layered_case(LOAD_AND_SOURCE));
-        run_case(&Options { threads: Some(threads), ..case }).expect("a sound case");
+        run_case(&Options { thread_count: Some(threads), ..case }).expect("a sound case");
         let out = folder.path().join("out");
         let mut names: Vec<_> =
             fs::read_dir(&out).expect("results").map(|e| e.expect("a file").file_name()).collect();
@@ -215,9 +216,10 @@ fn balanced_weight_causes_no_motion() {
 #[test]
 fn run_stopped_by_overflow_saves_last_finite_results() {
     let folder = tempfile::tempdir().expect("a scratch folder");
+    // The phase of the sine overflows; amplitudes that overflow are refused.
     let case = format_layered_case(
-        "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1\ntime = { kind = 'table', \
-                     samples = [[0.02, 0], [0.03, 1e305]] }",
+        "[[source]]\nkind = 'explosion'\namplitude = 1e4\nat = [1, -5]\n\
+                     time = { kind = 'sine', frequency = 1e308, start = 0.02 }",
     );
     let error = run_in_folder(folder.path(), &case).expect_err("too much");
     assert_eq!(error.exit_code(), 3);
@@ -239,7 +241,7 @@ fn run_stopped_by_overflow_saves_last_finite_results() {
     );
 }
 
-/// Case of a classical solid with additional sections.
+/// Formats the case of a classical solid with additional sections.
 fn format_classical_case(extra: &str) -> String {
     format!(
         "{CLASSICAL_MODEL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}"
@@ -383,7 +385,7 @@ fn runs_larger_than_free_memory_are_refused() {
 /// Verifies that later boundary sections override earlier ones, and that a source at a periodic boundary acts on both
 /// sides of it.
 #[test]
-fn later_boundaries_override_and_periodic_ones_wrap() {
+fn later_boundary_sections_override_and_periodic_sources_act_on_both_sides() {
     let run_with_source = |boundaries: &str, at: &str| {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let case = format!(

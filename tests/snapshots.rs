@@ -15,7 +15,7 @@ const FLOW_CASE: &str = include_str!("data/snapshots-flow.toml");
 
 /// Runs a case on two threads.
 fn run_on_two_threads(folder: &Path, case: &str) {
-    let options = Options { threads: Some(2), ..create_run_options(folder, case) };
+    let options = Options { thread_count: Some(2), ..create_run_options(folder, case) };
     run_case(&options).expect("a sound case");
 }
 
@@ -23,7 +23,7 @@ fn create_scratch_folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a scratch folder")
 }
 
-/// Content of a snapshot; `None` if there is none of this index.
+/// Reads the content of a snapshot; `None` if there is none of this index.
 fn read_snapshot(folder: &Path, index: usize, extension: &str) -> Option<Vec<u8>> {
     fs::read(folder.join(format!("out/snapshot-{index:08}.{extension}"))).ok()
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use wellposed::cli::{self, Options, OutputFormat};
 use wellposed::study::MapOptions;
 
-type VerbFunction = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::cli::Error>;
+type VerbFunction =
+    fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::cli::CommandError>;
 
 const LAYERED_CASE: &str = "
 [model]
@@ -74,8 +75,8 @@ fn format_setting(key: &str, value: f64) -> String {
     format!("{key}={value:?}")
 }
 
-/// Trace and determinant of the acoustic tensor while the layer normal to x₁ slips (λ = μ = ρ = 1, α = 0.3), derived
-/// by hand.
+/// Returns trace and determinant of the acoustic tensor while the layer normal to x₁ slips (λ = μ = ρ = 1, α = 0.3),
+/// derived by hand.
 fn acoustic_tensor_invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64; 2] {
     let (lambda, alpha) = (1.0, 0.3);
     // Elastic tensor D applied to the normal (κ, 0, 1, 0) over (σ11, σ22, σ21, σ12), with the friction or dilatancy κ.
@@ -93,7 +94,7 @@ fn acoustic_tensor_invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64
     [entry(0, 0) + entry(1, 1), entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0)]
 }
 
-/// Maximum of |Im c| over all directions, with the complex wave speed c.
+/// Returns the maximum of |Im c| over all directions, with the complex wave speed c.
 fn max_flutter_growth(friction: f64, dilatancy: f64) -> f64 {
     let rate = |angle: f64| {
         let [trace, determinant] = acoustic_tensor_invariants(friction, dilatancy, angle);
@@ -169,8 +170,8 @@ fn layer_sectors_and_speeds_satisfy_characteristic_equation() {
     assert_eq!(rows, 2 * 721);
 }
 
-/// Critical plastic modulus h over the shear modulus, of Rudnicki & Rice (1975, eq. 20), with their N, μ, β, for
-/// normals in the plane of the major and minor principal stress.
+/// Returns the critical plastic modulus h over the shear modulus, of Rudnicki & Rice (1975, eq. 20), with their N, μ,
+/// β, for normals in the plane of the major and minor principal stress.
 fn critical_plastic_modulus(ratio: f64, friction: f64, dilatancy: f64, lambda: f64) -> f64 {
     // `ratio` is their N = s₂/τ̄, the intermediate principal deviator over τ̄; their μ and β are derivatives with
     // respect to −σ_m, here the friction κ and the dilatancy κ̂.
@@ -344,7 +345,7 @@ fn spatial_map_is_bit_identical_for_any_number_of_threads() {
         let options = Options {
             case_path: file.clone(),
             output_folder: Some(out.clone()),
-            threads: Some(threads),
+            thread_count: Some(threads),
             ..Options::default()
         };
         cli::run_map(&options, MapOptions::default(), &mut Vec::new()).expect("a sound case");

@@ -9,26 +9,26 @@ use std::path::Path;
 use toml::{Table, Value};
 use wellposed::CASES;
 
-const TEST: &str = "units";
+const TEST_FOLDER: &str = "units";
 
 /// Exponents of mass, length and time in the unit of a key.
-type Dimension = [i32; 3];
+type DimensionExponents = [i32; 3];
 
-const NUMBER: Dimension = [0, 0, 0];
-const LENGTH: Dimension = [0, 1, 0];
-const TIME: Dimension = [0, 0, 1];
-const RATE: Dimension = [0, 0, -1];
-const VELOCITY: Dimension = [0, 1, -1];
-const STRESS: Dimension = [1, -1, -2];
-/// Couple stress, and force per length.
-const COUPLE_STRESS: Dimension = [1, 0, -2];
-/// Force, and couple per length.
-const FORCE: Dimension = [1, 1, -2];
+const DIMENSIONLESS: DimensionExponents = [0, 0, 0];
+const LENGTH: DimensionExponents = [0, 1, 0];
+const TIME: DimensionExponents = [0, 0, 1];
+const RATE: DimensionExponents = [0, 0, -1];
+const VELOCITY: DimensionExponents = [0, 1, -1];
+const STRESS: DimensionExponents = [1, -1, -2];
+/// Dimension of couple stress, and of force per length.
+const COUPLE_STRESS: DimensionExponents = [1, 0, -2];
+/// Dimension of force, and of couple per length.
+const FORCE: DimensionExponents = [1, 1, -2];
 
-/// Unit of a key; for a load or an initial value, the unit of its field.
-fn find_dimension(section: &str, key: &str, table: &Table) -> Dimension {
+/// Returns the dimension of a key; for a load or an initial value, that of its field.
+fn find_dimension(section: &str, key: &str, table: &Table) -> DimensionExponents {
     if key.ends_with("_deg") {
-        return NUMBER;
+        return DIMENSIONLESS;
     }
     match (section, key) {
         ("model", "lambda" | "mu" | "alpha" | "cohesion" | "rotational_strength") => STRESS,
@@ -60,26 +60,26 @@ fn find_dimension(section: &str, key: &str, table: &Table) -> Dimension {
         ("initial", "from" | "to")
             if table.get("kind").and_then(Value::as_str) == Some("noise") =>
         {
-            NUMBER
+            DIMENSIONLESS
         }
         (
             "region" | "load" | "receiver" | "source" | "initial",
             "from" | "to" | "at" | "radius" | "center",
         ) => LENGTH,
         ("load" | "initial", "amplitude") => match table["field"].as_str().unwrap() {
-            // At a point of the plane, a force per length.
+            // A point load in the plane is a force per out-of-plane length.
             field if field.starts_with("sigma") && table.contains_key("at") => COUPLE_STRESS,
             field if field.starts_with("sigma") => STRESS,
             field if field.starts_with('m') => COUPLE_STRESS,
             field if field.starts_with('w') => RATE,
             _ => VELOCITY,
         },
-        _ => NUMBER,
+        _ => DIMENSIONLESS,
     }
 }
 
 /// Converts all numbers of a case that have a unit to units that are smaller by the factors 2^`exponents`.
-fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
+fn scale_case(table: &mut Table, section: &str, exponents: DimensionExponents) {
     let units = table.clone();
     for (key, value) in table.iter_mut() {
         match value {
@@ -88,7 +88,10 @@ fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
                 let (section, key) = parameter.split_once('.').unwrap();
                 let unit = find_dimension(section, key, &units);
                 for end in ["from", "to"] {
-                    multiply(inner.get_mut(end).unwrap(), unit_conversion_factor(unit, exponents));
+                    multiply_numbers(
+                        inner.get_mut(end).unwrap(),
+                        unit_conversion_factor(unit, exponents),
+                    );
                 }
             }
             Value::Table(inner) => scale_case(inner, key, exponents),
@@ -99,30 +102,31 @@ fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
             }
             _ => {
                 let unit = find_dimension(section, key, &units);
-                if unit != NUMBER {
-                    multiply(value, unit_conversion_factor(unit, exponents));
+                if unit != DIMENSIONLESS {
+                    multiply_numbers(value, unit_conversion_factor(unit, exponents));
                 }
             }
         }
     }
 }
 
-fn multiply(value: &mut Value, factor: f64) {
+fn multiply_numbers(value: &mut Value, factor: f64) {
     match value {
         Value::Integer(number) => *value = Value::Float(*number as f64 * factor),
         Value::Float(number) => *number *= factor,
-        Value::Array(list) => list.iter_mut().for_each(|entry| multiply(entry, factor)),
+        Value::Array(list) => list.iter_mut().for_each(|entry| multiply_numbers(entry, factor)),
         _ => panic!("{value} has no unit"),
     }
 }
 
-/// Factor on a number of dimension `unit` if the base units become smaller by powers of two with these exponents.
-fn unit_conversion_factor(unit: Dimension, exponents: Dimension) -> f64 {
+/// Returns the factor on a number of dimension `unit` if the base units become smaller by powers of two with these
+/// exponents.
+fn unit_conversion_factor(unit: DimensionExponents, exponents: DimensionExponents) -> f64 {
     2f64.powi(unit.iter().zip(exponents).map(|(a, b)| a * b).sum())
 }
 
-/// Systems of units in which every case is computed, as exponents of 2.
-fn unit_systems() -> Vec<Dimension> {
+/// Creates the systems of units in which every case is computed, as exponents of 2 for mass, length and time.
+fn create_unit_systems() -> Vec<DimensionExponents> {
     let mut all = vec![[60, 60, 60], [-60, -60, -60]];
     for axis in 0..3 {
         for power in [-60, 60] {
@@ -136,12 +140,12 @@ fn unit_systems() -> Vec<Dimension> {
 }
 
 /// Writes a case in other units and returns the folder.
-fn write_case(name: &str, case: &Table, exponents: Dimension) -> std::path::PathBuf {
+fn write_case(name: &str, case: &Table, exponents: DimensionExponents) -> std::path::PathBuf {
     let [mass, length, time] = exponents;
     let mut case = case.clone();
     scale_case(&mut case, "", exponents);
     create_case_folder(
-        TEST,
+        TEST_FOLDER,
         &format!("{name}{mass}_{length}_{time}"),
         &toml::to_string(&case).unwrap(),
     )
@@ -153,7 +157,7 @@ fn parse_bundled_case(name: &str) -> Table {
 }
 
 /// Sets the wave number explicitly if the case does not, since it has a unit and its default is not zero.
-fn with_explicit_wave(mut case: Table) -> Table {
+fn with_explicit_wave_number(mut case: Table) -> Table {
     let wave = case.entry("wave").or_insert(Table::new().into()).as_table_mut().unwrap();
     wave.entry("number").or_insert(Value::Float(1000.0));
     case
@@ -181,7 +185,7 @@ fn verdicts_do_not_depend_on_units() {
         "check/yielding-cone.toml",
         "check/cubic-plane.toml",
     ] {
-        let case = with_explicit_wave(parse_bundled_case(name));
+        let case = with_explicit_wave_number(parse_bundled_case(name));
         let verdict = |exponents| {
             let here = write_case(&name.replace(['/', '.'], "-"), &case, exponents);
             run_with_exit_code(0, &here, "point case.toml --out out");
@@ -189,8 +193,8 @@ fn verdicts_do_not_depend_on_units() {
             ["verdict", "order", "hyperbolicity", "associated", "active"]
                 .map(|key| all.get(key).cloned().unwrap_or_default())
         };
-        let own = verdict(NUMBER);
-        for exponents in unit_systems() {
+        let own = verdict(DIMENSIONLESS);
+        for exponents in create_unit_systems() {
             assert_eq!(verdict(exponents), own, "{name} in units of 2^{exponents:?}");
         }
     }
@@ -206,7 +210,7 @@ fn maps_do_not_depend_on_units() {
         "cosserat/microrotation.toml",
         "cosserat/rotation-waves.toml",
     ] {
-        let mut case = with_explicit_wave(parse_bundled_case(name));
+        let mut case = with_explicit_wave_number(parse_bundled_case(name));
         for axis in ["x", "y"] {
             case["map"][axis]["points"] = Value::Integer(7);
         }
@@ -222,27 +226,27 @@ fn maps_do_not_depend_on_units() {
             let column = rows.next().unwrap().iter().position(|name| *name == "verdict").unwrap();
             rows.map(|row| row[column].to_owned()).collect::<Vec<_>>()
         };
-        let own = verdicts(NUMBER);
+        let own = verdicts(DIMENSIONLESS);
         assert_eq!(own.len(), 49);
-        for exponents in unit_systems() {
+        for exponents in create_unit_systems() {
             assert_eq!(verdicts(exponents), own, "{name} in units of 2^{exponents:?}");
         }
     }
 }
 
-/// Unit of a column of `receivers.csv` or `ledger.csv`.
-fn column_unit(name: &str, is_ledger: bool) -> Dimension {
+/// Returns the dimension of a column of `receivers.csv` or `ledger.csv`.
+fn column_dimension(name: &str, is_ledger: bool) -> DimensionExponents {
     if name == "time" {
         return TIME;
     }
     if is_ledger {
-        // Energy per length.
+        // An energy per length has the dimension of a force.
         return FORCE;
     }
     let field = name.rsplit('.').next().unwrap_or(name);
     match field {
         _ if field.starts_with("sigma") => STRESS,
-        _ if field.starts_with("psi") || field.starts_with("phi") => NUMBER,
+        _ if field.starts_with("psi") || field.starts_with("phi") => DIMENSIONLESS,
         "p" => STRESS,
         _ if field.starts_with('v') => VELOCITY,
         _ if field.starts_with('u') => LENGTH,
@@ -268,7 +272,7 @@ density = 2000
 inertia = 800
 ";
 
-/// Name, model and further sections of the solids; all yield under [`ACTIONS`].
+/// Name, model and further sections of the solids; all yield under [`LOADING_SECTIONS`].
 const SOLIDS: [(&str, &str, &str); 3] = [
     (
         "cone",
@@ -318,7 +322,7 @@ lateral_ratio = 0.5
     ),
 ];
 
-const ACTIONS: &str = "
+const LOADING_SECTIONS: &str = "
 [grid]
 cells = [60, 40]
 spacing = 0.1
@@ -376,7 +380,7 @@ integrals = ['u2']
 ";
 
 /// Compares the tables of a run in other units bit by bit.
-fn compare_tables(name: &str, case: &Table, units: &[Dimension], tables: &[&str]) {
+fn compare_tables(name: &str, case: &Table, units: &[DimensionExponents], tables: &[&str]) {
     let run = |exponents| {
         let here = write_case(name, case, exponents);
         run_with_exit_code(0, &here, "run case.toml --out out --threads 1");
@@ -385,14 +389,14 @@ fn compare_tables(name: &str, case: &Table, units: &[Dimension], tables: &[&str]
             .map(|table| fs::read_to_string(here.join("out").join(table)).unwrap())
             .collect::<Vec<_>>()
     };
-    let own = run(NUMBER);
+    let own = run(DIMENSIONLESS);
     for &exponents in units {
         for ((table, own), other) in tables.iter().zip(&own).zip(run(exponents)) {
             assert_eq!(own.lines().count(), other.lines().count(), "{name} {table}");
             let names: Vec<&str> = own.lines().next().unwrap().split(',').collect();
             for (row, (a, b)) in own.lines().zip(other.lines()).enumerate().skip(1) {
                 for ((column, a), b) in names.iter().zip(a.split(',')).zip(b.split(',')) {
-                    let unit = column_unit(column, *table == "ledger.csv");
+                    let unit = column_dimension(column, *table == "ledger.csv");
                     let [a, b] = [a, b].map(|text| text.parse::<f64>().unwrap());
                     let scaled = a * unit_conversion_factor(unit, exponents);
                     assert_eq!(
@@ -409,8 +413,8 @@ fn compare_tables(name: &str, case: &Table, units: &[Dimension], tables: &[&str]
 #[test]
 fn runs_of_solids_do_not_depend_on_units() {
     for (name, model, sections) in SOLIDS {
-        let case: Table = format!("{model}{sections}{ACTIONS}").parse().unwrap();
-        compare_tables(name, &case, &unit_systems(), &["receivers.csv", "ledger.csv"]);
+        let case: Table = format!("{model}{sections}{LOADING_SECTIONS}").parse().unwrap();
+        compare_tables(name, &case, &create_unit_systems(), &["receivers.csv", "ledger.csv"]);
         let text = fs::read_to_string(
             Path::new(env!("CARGO_TARGET_TMPDIR"))
                 .join(format!("units/{name}0_0_0/out/ledger.csv")),
@@ -430,5 +434,5 @@ fn runs_of_flows_do_not_depend_on_units() {
     case["grid"]["cells"] = Value::Array(vec![Value::Integer(16), Value::Integer(16)]);
     case["initial"][0]["to"] = Value::Integer(5);
     case["time"]["duration"] = Value::Float(1e-3);
-    compare_tables("flow", &case, &unit_systems(), &["receivers.csv"]);
+    compare_tables("flow", &case, &create_unit_systems(), &["receivers.csv"]);
 }

@@ -149,7 +149,7 @@ fn map_is_independent_of_threads_and_agrees_with_points() {
     for threads in [1, 2, 5] {
         let mut options = create_options(folder.path(), STATE_CASE, &[]);
         options.output_folder = Some(folder.path().join(format!("{threads}")));
-        options.threads = Some(threads);
+        options.thread_count = Some(threads);
         cli::run_map(
             &options,
             MapOptions { computes_bound: true, ..MapOptions::default() },
@@ -167,7 +167,7 @@ fn map_is_independent_of_threads_and_agrees_with_points() {
     assert!(results[0].len() >= 7, "{:?}", results[0].iter().map(|f| &f.0).collect::<Vec<_>>());
     assert!(results[1..].iter().all(|r| *r == results[0]), "files differ between thread counts");
 
-    // Named arrays of the map against the verdicts of single points.
+    // Arrays of the map are compared with the verdicts of single points.
     let arrays = results[0].iter().find(|(name, _)| name == "map.npz").unwrap();
     let arrays = files::npz::read_arrays(&arrays.1).unwrap();
     let numbers = |name: &str| {
@@ -230,7 +230,7 @@ fn compared_models_have_equal_state_for_given_spin() {
 }
 
 #[test]
-fn waves_beyond_floating_point_range_are_refused() {
+fn waves_outside_floating_point_range_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for set in ["wave.number=1e100", "wave.number=1e-100", "background.velocity=[1e308, 0]"] {
         let options = create_options(folder.path(), STATE_CASE, &[set]);

@@ -15,10 +15,10 @@ use support::{
 };
 use wellposed::cli::{self, Options, OutputFormat};
 
-/// Results of a run, with their temporary folder.
+/// Results of a run, with the temporary folder that contains its files.
 struct WaveRun {
     folder: tempfile::TempDir,
-    /// Receiver table.
+    /// Columns of the receiver table.
     columns: Columns,
 }
 
@@ -27,7 +27,7 @@ impl WaveRun {
         column_values(&self.columns, name)
     }
 
-    /// Final values of a field.
+    /// Reads the final values of a field.
     fn final_field(&self, name: &str) -> Vec<f64> {
         read_arrays_by_name(&self.folder.path().join("out/fields.npz"))
             .remove(name)
@@ -50,7 +50,7 @@ fn create_options(file: PathBuf, folder: &Path, sets: &[String]) -> Options {
     }
 }
 
-/// Runs a case with settings.
+/// Runs a case file with settings and reads the receiver table.
 fn run_case_file(file: PathBuf, sets: &[String]) -> WaveRun {
     let folder = tempfile::tempdir().expect("a scratch folder");
     run_case(&create_options(file, folder.path(), sets)).expect("a sound case");
@@ -58,8 +58,8 @@ fn run_case_file(file: PathBuf, sets: &[String]) -> WaveRun {
     WaveRun { folder, columns }
 }
 
-/// Polarisation and frequency (rad/s) of all branches at the wave vector of a case, by descending frequency, from
-/// `wellposed dispersion`.
+/// Computes polarisation and angular frequency, rad/s, of all branches at the wave vector of a case, by descending
+/// frequency, with `wellposed dispersion`.
 fn compute_branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let options =
@@ -84,10 +84,10 @@ fn compute_branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
 /// Weight of a sample as a function of its relative position in the interval, in (0, 1).
 type WindowFunction = fn(f64) -> f64;
 const UNIFORM_WINDOW: WindowFunction = |_| 1.0;
-/// Hann window.
+/// Hann window, sin²(π position).
 const HANN_WINDOW: WindowFunction = |position| (PI * position).sin().powi(2);
 
-/// Complex amplitude A of Re A exp(−iωt), ω = `frequency`, by weighted least squares.
+/// Returns the complex amplitude A of Re A exp(−iωt), ω = `frequency`, by weighted least squares.
 fn fit_harmonic(time: &[f64], values: &[f64], frequency: f64, window: WindowFunction) -> Complex64 {
     let count = time.len() as f64;
     let (mut cc, mut cs, mut ss, mut c, mut s) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -104,12 +104,12 @@ fn fit_harmonic(time: &[f64], values: &[f64], frequency: f64, window: WindowFunc
     Complex64::new((ss * c - cs * s) / determinant, (cc * s - cs * c) / determinant)
 }
 
-/// Indices of the samples in a time interval.
+/// Returns the indices of the samples in a time interval.
 fn sample_range(time: &[f64], from: f64, to: f64) -> Range<usize> {
     time.partition_point(|t| *t < from)..time.partition_point(|t| *t < to)
 }
 
-/// Slope and intercept of the least-squares line.
+/// Returns slope and intercept of the least-squares line.
 fn fit_line(x: &[f64], y: &[f64]) -> [f64; 2] {
     let count = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
@@ -149,7 +149,7 @@ fn oblique_wave_returns_after_one_period() {
     }
 }
 
-/// Amplitude of an oscillating vector, and the sum of squares of the residuals.
+/// Returns the amplitude of an oscillating vector, and the sum of squares of the residuals.
 fn fit_oscillation(time: &[f64], signals: &[&[f64]], frequency: f64) -> (f64, f64) {
     let (mut power, mut squared_residual) = (0.0, 0.0);
     for signal in signals {
@@ -221,7 +221,7 @@ fn oblique_waves_have_predicted_frequencies() {
     }
 }
 
-/// Squared wave number k² of shear waves in the reduced Cosserat solid of the bundled case, 1/m².
+/// Returns the squared wave number k² of shear waves in the reduced Cosserat solid of the bundled case, 1/m².
 fn squared_wave_number(frequency: f64) -> f64 {
     let (mu, alpha, density, inertia): (f64, f64, f64, f64) = (8.1e9, 1.005e9, 2700.0, 2700.0);
     let square = frequency * frequency;
@@ -229,7 +229,8 @@ fn squared_wave_number(frequency: f64) -> f64 {
         / (4.0 * alpha * mu - (mu + alpha) * inertia * square)
 }
 
-/// Depths (m) and complex amplitudes of v₁ at these depths under a harmonic load (rad/s), from a time interval (s).
+/// Returns depths, m, and complex amplitudes of v₁ at these depths under a harmonic load of angular `frequency`, rad/s,
+/// from a time interval, s.
 fn fit_amplitudes(
     results: &WaveRun,
     frequency: f64,
@@ -320,16 +321,16 @@ fn waves_outside_band_gap_propagate_without_decay() {
 /// Boundary condition at the surface of a half-space, in addition to the couple.
 #[derive(Clone, Copy)]
 enum SurfaceCondition {
-    /// v₁ = 0.
+    /// Zero displacement along x₁: v₁ = 0.
     FixedDisplacement,
-    /// σ₁₂ = 0.
+    /// Zero shear traction: σ₁₂ = 0.
     ShearFree,
 }
 
 /// Constants of the bundled half-space in SI units: ρ, j, μ, α, γ + η.
 const HALF_SPACE_CONSTANTS: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
 
-/// Laplace transform of the spin at a depth (m) due to a unit couple on the surface, for the variable s.
+/// Returns the Laplace transform of the spin at a depth, m, due to a unit couple on the surface, for the variable s.
 ///
 /// With u₁ = U e^(−qd), φ₃ = P e^(−qd) at depth d and m₃₂ = 1 at d = 0:
 ///
@@ -363,8 +364,8 @@ fn spin_laplace_transform(s: Complex64, depth: f64, surface: SurfaceCondition) -
     s * ((-q1 * depth).exp() + ratio * (-q2 * depth).exp()) / moment
 }
 
-/// Spin due to a couple sin(ωt) that starts at t = 0, by numerical inversion of the Laplace transform with a Fourier
-/// series (Dubner & Abate 1968); error 10⁻⁶ of the maximum.
+/// Computes the spin due to a couple sin(ωt) that starts at t = 0, by numerical inversion of the Laplace transform with
+/// a Fourier series (Dubner & Abate 1968); error 10⁻⁶ of the maximum.
 fn exact_spin(times: &[f64], frequency: f64, depth: f64, surface: SurfaceCondition) -> Vec<f64> {
     const TERM_COUNT: usize = 20_000;
     let half = 2.0 * times.iter().copied().fold(0.0, f64::max);
@@ -379,7 +380,7 @@ fn exact_spin(times: &[f64], frequency: f64, depth: f64, surface: SurfaceConditi
         .collect();
     let at = |t: &f64| {
         let turn = Complex64::cis(PI * t / half);
-        // Horner scheme.
+        // The sum is evaluated by the Horner scheme.
         let sum = terms.iter().rev().fold(Complex64::default(), |sum, term| sum * turn + term);
         (shift * t).exp() / half * sum.re
     };

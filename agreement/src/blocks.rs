@@ -1,14 +1,14 @@
 //! Bloch waves of blocky media: predicted by the analysis ([`analysis::bloch`]), measured in the solver.
 //!
-//! - **Chain**: layers across one axis alone, with blocks at Courant number 1, for both polarisations. The initial state
-//!   is the exact eigenvector of the discrete scheme, so that measured and expected rates agree within rounding errors;
-//!   the expected rate is that of [`Chain::with_time_step`](analysis::bloch::chain::Chain::with_time_step). This holds
-//!   the law of the layers, all of its factors and signs, against the analysis.
+//! - **Chain**: layers across one axis alone, with blocks at Courant number 1, for both polarisations. The initial
+//!   state is the exact eigenvector of the discrete scheme, so that measured and expected rates agree within rounding
+//!   errors; the expected rate is that of [`Chain::with_time_step`](analysis::bloch::chain::Chain::with_time_step).
+//!   This tests all factors and signs in the laws of the layers.
 //! - **Cell**: layers across both axes, with the Courant number of the case. The initial state is a mode of
 //!   [`analysis::bloch::cell`]; the frequency is extrapolated from three grids.
 //!
-//! Layers are linearised about the initial stress-free state ([`Layer::linearise`]): waves are so weak that plastic
-//! layers do not slip, and pores remain open.
+//! Layers are linearised about the initial stress-free state ([`Layer::linearise`]): amplitudes of waves are so small
+//! that plastic layers do not slip and pores remain open.
 
 mod cell;
 mod chain;
@@ -29,57 +29,57 @@ use models::interface::homogenised::BlockMaterial;
 use models::interface::layer::LayerLaw;
 use rayon::prelude::*;
 
-/// Periodic blocky medium as described to the analysis: equal rectangular blocks, of which two neighbours along an axis
-/// are separated by the layer of this axis.
+/// Periodic blocky medium as the analysis describes it: equal rectangular blocks; the layer of an axis separates each
+/// two neighbours along this axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockyCell {
     /// Sides of a block, m.
     pub sides: [f64; 2],
-    /// Blocks of a period along each axis; an even number of rows if rows are shifted.
+    /// Numbers of blocks of a period along each axis; an even number of rows if rows are shifted.
     pub blocks: [usize; 2],
     /// Shift of every second row along x₁, as a fraction of a block.
     pub row_shift: f64,
     /// Materials of the blocks of a period, row by row.
     pub materials: Vec<BlockMaterial>,
-    /// Layers across each axis; `None`: welded.
+    /// Layers normal to each axis; `None` if blocks are welded along this axis.
     pub layers: [Option<Layer>; 2],
 }
 
-/// The same medium as described to the solver.
+/// Periodic blocky medium as the solver describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolverBlocks {
     /// Media of the blocks of a period, row by row.
     pub media: Vec<Medium>,
-    /// Laws of the layers across each axis; `None`: welded.
+    /// Laws of the layers normal to each axis; `None` if blocks are welded along this axis.
     pub laws: [Option<LayerLaw<f64>>; 2],
 }
 
-/// Waves to be compared, and settings of the solver.
+/// Numbers of the Bloch waves to be compared, and settings of the solver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockSettings {
     /// Number of lowest branches at each wave vector.
-    pub branches: usize,
+    pub branch_count: usize,
     /// Number of phase shifts of chains, in the order π/2, π/4, 3π/4, π; at most 4.
-    pub phase_shifts: usize,
+    pub phase_shift_count: usize,
     /// Number of wave vectors in the plane, in the directions (1, 0), (1, 1) and (1, 2) of phase shifts; at most 3.
-    pub wave_vectors: usize,
-    /// Cells of a block along each axis, each number twice the one before.
-    pub cells: Vec<usize>,
-    /// Courant number of waves in the plane; chains run at 1.
+    pub wave_vector_count: usize,
+    /// Numbers of cells of a block along each axis, by grid; each twice the one before.
+    pub cells_per_block: Vec<usize>,
+    /// Courant number of waves in the plane; that of chains is 1.
     pub courant_number: f64,
 }
 
-/// Kind of a wave.
+/// Kind of a compared Bloch wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockWave {
-    /// Wave across layers normal to one axis, the only layers.
+    /// Wave along an axis in a chain of blocks and the layers normal to this axis.
     Chain {
         /// Axis of propagation.
         axis: usize,
         /// Polarisation.
         polarisation: ChainPolarisation,
     },
-    /// Wave in the plane.
+    /// Wave in a medium with layers normal to both axes.
     Cell,
 }
 
@@ -92,17 +92,17 @@ pub struct BlochResult {
     pub wave_vector: [f64; 2],
     /// Index of the branch, from 0.
     pub branch: usize,
-    /// Index of the block whose material fills a chain.
+    /// Index of the block whose material all blocks of a chain have; 0 for waves in the plane.
     pub block: usize,
-    /// Predicted rate.
+    /// Rate predicted by the analysis.
     pub predicted_rate: Rate,
     /// Measured rates, or the reason why they are missing.
     pub measurement: Result<Measurement, MeasurementError>,
 }
 
 impl BlochResult {
-    /// Whether measured and expected rates agree on every grid and in the limit; `None` without measurement. Amplitudes
-    /// that vanish or overflow disagree, since the solver is stable for waves that the analysis predicts.
+    /// Whether measured and expected rates agree on every grid and in the limit; `None` without measurement. Vanishing
+    /// and overflowing amplitudes count as disagreement, since the analysis predicts stable waves.
     pub fn is_within_tolerance(&self) -> Option<bool> {
         match &self.measurement {
             Ok(own) => {
@@ -123,8 +123,8 @@ impl BlochResult {
         }
     }
 
-    /// Order of convergence of the measured rate between the two finest grids; `None` without measurement, with one grid
-    /// only, or if an error is not well above its tolerance, in the plane above that of the limit.
+    /// Order of convergence of the measured rate between the two finest grids; `None` without measurement, with one
+    /// grid only, or if an error is not well above its tolerance (in the plane, above that of the limit).
     pub fn convergence_order(&self) -> Option<f64> {
         let own = self.measurement.as_ref().ok()?;
         let [.., coarse, fine] = own.grids.as_slice() else { return None };
@@ -149,7 +149,7 @@ pub fn compare_blocks(
     settings: &BlockSettings,
     on_progress: ProgressCallback,
 ) -> Result<Vec<BlochResult>, AgreementError> {
-    if settings.cells.is_empty() {
+    if settings.cells_per_block.is_empty() {
         return Err(AgreementError::NoGrids);
     }
     let mut layers = [None; 2];
@@ -157,27 +157,27 @@ pub fn compare_blocks(
         *own =
             layer.map(|layer| layer.linearise()).transpose().map_err(AgreementError::NotLinear)?;
     }
-    let chains = chain_waves(predicted, measured, layers, settings);
+    let chains = list_chain_waves(predicted, measured, layers, settings);
     let cell = CellExperiment { medium: predicted, layers, solver: measured, settings };
     let wave_vectors = match layers {
-        [Some(_), Some(_)] => settings.wave_vectors.min(cell::PHASES.len()),
+        [Some(_), Some(_)] => settings.wave_vector_count.min(cell::PLANE_PHASE_SHIFTS.len()),
         _ => 0,
     };
-    let grids = settings.cells.len();
-    let total = chains.len() + wave_vectors * (1 + settings.branches * grids);
+    let grids = settings.cells_per_block.len();
+    let total = chains.len() + wave_vectors * (1 + settings.branch_count * grids);
     let progress = TaskProgress::new(on_progress, total)?;
     let modes: Vec<Vec<PredictedMode>> = (0..wave_vectors)
         .into_par_iter()
         .map(|index| {
-            let modes = cell.predict(index)?;
+            let modes = cell.predict_modes(index)?;
             progress.advance()?;
             Ok(modes)
         })
         .collect::<Result<_, AgreementError>>()?;
     let mut results: Vec<BlochResult> = chains
         .into_par_iter()
-        .map(|(chain, branch, turns)| {
-            let result = chain.compare(branch, turns);
+        .map(|(chain, branch, phase_index)| {
+            let result = chain.compare_branch(branch, phase_index);
             progress.advance()?;
             Ok(result)
         })
@@ -190,22 +190,22 @@ pub fn compare_blocks(
     let found: Vec<Result<GridResult, MeasurementError>> = runs
         .par_iter()
         .map(|&(mode, grid)| {
-            let found = cell.measure(&modes[mode].1, settings.cells[grid]);
+            let found = cell.measure_mode(&modes[mode].1, settings.cells_per_block[grid]);
             progress.advance()?;
             Ok(found)
         })
         .collect::<Result<_, AgreementError>>()?;
     for (index, (branch, mode)) in modes.iter().enumerate() {
-        let place = |grid: usize| (grids - 1 - grid) * modes.len() + index;
-        let own = (0..grids).map(|grid| found[place(grid)].clone()).collect();
-        results.push(cell.collect(mode, *branch, own));
+        let run_index = |grid: usize| (grids - 1 - grid) * modes.len() + index;
+        let own = (0..grids).map(|grid| found[run_index(grid)].clone()).collect();
+        results.push(cell.collect_result(mode, *branch, own));
     }
     Ok(results)
 }
 
-/// Waves across layers normal to one axis: experiment, branch and phase shift in turns; by axis, phase shift,
-/// polarisation and branch, once for each material.
-fn chain_waves<'a>(
+/// Lists the waves across layers normal to one axis, for each material, axis, phase shift, polarisation and branch:
+/// experiment, index of the branch, and index of the phase shift.
+fn list_chain_waves<'a>(
     predicted: &BlockyCell,
     solver: &'a SolverBlocks,
     layers: [Option<LinearLayer>; 2],
@@ -217,10 +217,10 @@ fn chain_waves<'a>(
             continue;
         }
         for axis in (0..2).filter(|axis| layers[*axis].is_some()) {
-            for shift in chain::PHASE_SHIFTS.iter().take(settings.phase_shifts) {
+            for shift in chain::PHASE_SHIFTS.iter().take(settings.phase_shift_count) {
                 for polarisation in [ChainPolarisation::Longitudinal, ChainPolarisation::Transverse]
                 {
-                    for branch in 0..settings.branches.min(chain::MAX_BRANCHES) {
+                    for branch in 0..settings.branch_count.min(chain::MAX_BRANCHES) {
                         let chain = ChainExperiment {
                             axis,
                             polarisation,
@@ -230,7 +230,7 @@ fn chain_waves<'a>(
                             solver,
                             block,
                         };
-                        waves.push((chain, branch, chain::turns_of_phase_shift(*shift)));
+                        waves.push((chain, branch, chain::nearest_phase_index(*shift)));
                     }
                 }
             }

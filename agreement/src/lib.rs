@@ -42,10 +42,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`solids`] compares all branches of solids (elastic, loading and unloading), [`blocks`] Bloch waves of blocky media;
-//! [`flows`] compares waves and
-//! perturbations of uniform flows. Both use the threads of the surrounding rayon pool; results do not depend on their
-//! number.
+//! [`solids`] compares all branches of solids (elastic, loading and unloading), [`blocks`] Bloch waves of blocky media,
+//! [`flows`] waves and perturbations of uniform flows. All use the threads of the current rayon pool; results do not
+//! depend on their number.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

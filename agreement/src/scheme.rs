@@ -54,8 +54,8 @@ pub struct Propagator {
 }
 
 impl Propagator {
-    /// Inner products of the unit vector `wave` with the output state after 0, `every`, 2 `every` … `count` × `every`
-    /// steps, for `wave` as initial state.
+    /// Amplitudes after 0, `every`, 2 `every` … `count` × `every` steps for the unit vector `wave` as initial state:
+    /// inner products of `wave` with the output state.
     pub fn amplitudes(
         &self,
         wave: &DVector<Complex64>,
@@ -198,7 +198,7 @@ impl<const D: usize> EnergyForm<D> {
         let sweeps: Vec<ComplexMatrix> =
             (0..D).map(|axis| self.sweep_matrix(axis, wave[axis], grid, 0.5)).collect();
         // The sweep along the last axis is the innermost one.
-        let around = |sweeps: &[ComplexMatrix], inner: ComplexMatrix| {
+        let wrap_sweep = |sweeps: &[ComplexMatrix], inner: ComplexMatrix| {
             sweeps.iter().rev().fold(inner, |inner, sweep| sweep * inner * sweep)
         };
         let two_cyclic = |step: ComplexMatrix| Propagator {
@@ -210,14 +210,14 @@ impl<const D: usize> EnergyForm<D> {
             (PlasticStep::MidpointReflection, _) => {
                 let mirror =
                     to_complex(&(&self.tangent_projection * 2.0 - DMatrix::identity(size, size)));
-                two_cyclic(around(&sweeps, &half * mirror * &half))
+                two_cyclic(wrap_sweep(&sweeps, &half * mirror * &half))
             }
             (PlasticStep::ReturnMapping, Splitting::TwoCyclic) => {
-                two_cyclic(tangent * around(&sweeps, &half * &half))
+                two_cyclic(tangent * wrap_sweep(&sweeps, &half * &half))
             }
             (PlasticStep::ReturnMapping, Splitting::Alternating) => {
                 let quarter = self.sweep_matrix(0, wave[0], grid, 0.25);
-                let rest = tangent * around(&sweeps[1..], &half * &sweeps[0] * &half);
+                let rest = tangent * wrap_sweep(&sweeps[1..], &half * &sweeps[0] * &half);
                 Propagator {
                     first_step: &rest * &quarter,
                     later_step: rest * &sweeps[0],

@@ -72,7 +72,7 @@ fn wrong_solver_density_is_detected() {
     assert_eq!(results[0].is_within_tolerance(), Some(false), "{results:?}");
 }
 
-/// A wave of mode numbers 3 and 4 on a grid of 16 × 16 points.
+/// Perturbation that is a single wave of mode numbers 3 and 4, on a grid of 16 × 16 points.
 fn wave_perturbation() -> Perturbation {
     let amplitude = 1e-7;
     let wave = |point: usize| {
@@ -102,8 +102,8 @@ fn perturbation_grows_at_predicted_rate() {
     assert_eq!(refused, Err(AgreementError::NoVelocity));
 }
 
-/// Verifies that the progress of a measurement is reported for each evaluation of the right-hand side, up to the end, and
-/// that a measurement can be cancelled at any time.
+/// Verifies that the progress of a measurement is reported for each evaluation of the right-hand side, up to the end,
+/// and that a measurement can be cancelled at any time.
 #[test]
 fn each_evaluation_of_a_measurement_reports_progress() {
     let (flow, perturbation) = (uniform_flow(1600.0), wave_perturbation());

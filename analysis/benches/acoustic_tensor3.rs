@@ -12,6 +12,7 @@ use std::time::Instant;
 use support::states::seeded_generator;
 use wellposed_analysis::acoustic_tensor3::{AcousticTensor3, RankOneUpdate};
 
+/// Number of points of the map for each solid.
 const MAP_POINTS: usize = 60;
 
 fn main() {

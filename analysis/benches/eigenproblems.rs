@@ -26,8 +26,10 @@ use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::qz::Qz;
 
+/// Number of problems of one size.
 const PROBLEMS_PER_SET: usize = 256;
-const MIN_SECONDS: f64 = 0.5;
+/// Minimum duration of a measurement, s.
+const MIN_MEASURED_SECONDS: f64 = 0.5;
 
 /// Eigenproblem in the form in which this crate receives it.
 enum Eigenproblem {
@@ -145,7 +147,7 @@ fn measure_rate(mut all: impl FnMut()) -> f64 {
         all();
         passes += 1;
         let elapsed = start.elapsed().as_secs_f64();
-        if elapsed > MIN_SECONDS {
+        if elapsed > MIN_MEASURED_SECONDS {
             return (passes * PROBLEMS_PER_SET) as f64 / elapsed;
         }
     }

@@ -22,7 +22,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Number of sampled directions over half a turn.
-const DIRECTIONS: usize = 360;
+const DIRECTION_COUNT: usize = 360;
 /// Threshold of rounding for (Im c²)², relative to the square of `max_squared_speed`: a double root is perturbed by the
 /// square root of the rounding.
 const FLUTTER_TOLERANCE: f64 = 1e-13;
@@ -131,12 +131,15 @@ impl AcousticTensor2 {
         let angles: Vec<f64> = sample_angles().chain(hints.iter().copied()).collect();
         let normal = |theta: f64| [theta.cr_cos(), theta.cr_sin(), 0.0];
         let strongest = maximise_over_angles(|theta| self.strongest_flutter(theta).0, &angles);
-        let (growth, speed_squared) = self.strongest_flutter(strongest);
-        let flutter =
-            (growth > 0.0).then(|| Flutter { growth, speed_squared, normal: normal(strongest) });
+        let (max_imaginary_speed, squared_speed) = self.strongest_flutter(strongest);
+        let flutter = (max_imaginary_speed > 0.0).then(|| Flutter {
+            max_imaginary_speed,
+            squared_speed,
+            normal: normal(strongest),
+        });
         let slowest = maximise_over_angles(|theta| -self.smallest_squared_speed(theta), &angles);
         let slowest = SlowestSpeed {
-            speed_squared: self.smallest_squared_speed(slowest),
+            squared_speed: self.smallest_squared_speed(slowest),
             normal: normal(slowest),
             rounding: ZERO_SPEED_TOLERANCE * self.max_squared_speed,
         };
@@ -147,13 +150,13 @@ impl AcousticTensor2 {
     /// speeds are complex in all sampled directions. Sectors between two samples, half a degree apart, are missed.
     pub fn flutter_sectors(&self) -> Vec<[f64; 2]> {
         let is_complex = |theta: f64| self.strongest_flutter(theta).0 > 0.0;
-        find_sectors(sample_angles(), PI / DIRECTIONS as f64, PI, BISECTION_STEPS, is_complex)
+        find_sectors(sample_angles(), PI / DIRECTION_COUNT as f64, PI, BISECTION_STEPS, is_complex)
     }
 
     /// Whether the smallest real c² is zero within rounding in all sampled directions.
     pub fn is_always_stationary(&self) -> bool {
         let (tolerance, offset) =
-            (ZERO_SPEED_TOLERANCE * self.max_squared_speed, 0.5 * PI / DIRECTIONS as f64);
+            (ZERO_SPEED_TOLERANCE * self.max_squared_speed, 0.5 * PI / DIRECTION_COUNT as f64);
         sample_angles().all(|theta| self.smallest_squared_speed(theta + offset).abs() <= tolerance)
     }
 
@@ -163,7 +166,7 @@ impl AcousticTensor2 {
         if self.is_always_stationary() {
             return Vec::new();
         }
-        let step = PI / DIRECTIONS as f64;
+        let step = PI / DIRECTION_COUNT as f64;
         // Offset the samples by half a step: zeros of symmetric solids lie at multiples of the step.
         let angles: Vec<f64> = sample_angles().map(|theta| theta + 0.5 * step).collect();
         let value = |theta: f64| self.smallest_squared_speed(theta);
@@ -202,12 +205,12 @@ impl AcousticTensor2 {
 
 /// Uniform grid of directions in [0, π), rad.
 fn sample_angles() -> impl Iterator<Item = f64> {
-    (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64)
+    (0..DIRECTION_COUNT).map(|i| PI * i as f64 / DIRECTION_COUNT as f64)
 }
 
 /// Angle of the maximum of `value`: the best of `angles`, refined by golden sections between its neighbours.
 fn maximise_over_angles(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
-    let step = PI / DIRECTIONS as f64;
+    let step = PI / DIRECTION_COUNT as f64;
     let (mut best, mut at) = (f64::NEG_INFINITY, 0.0);
     for &angle in angles {
         let here = value(angle);

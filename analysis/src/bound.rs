@@ -1,7 +1,7 @@
 //! The supremum of the growth rate over wave numbers and directions, where it is finite.
 //!
-//! The supremum is located numerically: on a grid in log k and direction, refined around the degenerate directions θ_c
-//! in the coordinate asinh(k(θ − θ_c)) of their layers, then by a simplex search (Nelder & Mead 1965).
+//! The supremum is located numerically: on a grid in log k and direction, with further points near degenerate
+//! directions θ_c in the stretched coordinate asinh(k(θ − θ_c)), then by a simplex search (Nelder & Mead 1965).
 
 use crate::growth::{Assessment, Verdict};
 use crate::pencil::Pencil;
@@ -33,15 +33,15 @@ pub enum SupremumWaveNumber {
 /// Relative tolerance to which the supremum is located.
 pub const SUPREMUM_TOLERANCE: f64 = 1e-5;
 
-/// Upper end of the searched wave numbers, in the scaled unit of the system. Beyond it the rounding of the
-/// coefficients, times k², would appear as growth.
+/// Upper end of the searched wave numbers, in the scaled unit of the system. At larger wave numbers the rounding error
+/// of the coefficients, times k², would appear as growth.
 const MAX_WAVE_NUMBER: f64 = 1e5;
 /// Lower end of the searched wave numbers, in the scaled unit, for a uniform background.
 const MIN_WAVE_NUMBER: f64 = 1e-16;
 /// Number of steps of the grid in log k.
 const WAVE_NUMBER_STEPS: usize = 96;
 /// Number of directions of the grid.
-const DIRECTIONS: usize = 48;
+const DIRECTION_COUNT: usize = 48;
 
 /// Locates the supremum of Re ς over all directions and k ≥ `min_wave_number` (1/m; 0 for a uniform background) of a
 /// well-posed system. `None` for other verdicts, or if `min_wave_number` exceeds the range of the search.
@@ -82,7 +82,7 @@ pub fn locate_supremum(
             rate(log_k, angle(log_k, x[1]))
         };
         let positions: Vec<f64> = match centre {
-            None => (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64).collect(),
+            None => (0..DIRECTION_COUNT).map(|i| PI * i as f64 / DIRECTION_COUNT as f64).collect(),
             Some(_) => (-12..=12).map(f64::from).collect(),
         };
         let mut start = (f64::NEG_INFINITY, [low, 0.0]);

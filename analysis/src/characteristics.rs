@@ -12,7 +12,7 @@ use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A real characteristic direction.
+/// Real characteristic direction of the steady equations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RealCharacteristic {
     /// Angle of the characteristic curve from x₁, rad, in [0, π); perpendicular to the wave vector (ξ₁, ξ₂) at which

@@ -15,8 +15,9 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Number of sampled directions, and number of decades of wave numbers both below and above the given one.
-const DIRECTIONS: usize = 40;
+/// Number of sampled directions.
+const DIRECTION_COUNT: usize = 40;
+/// Number of sampled decades of wave numbers, both below and above the given one.
 const DECADES: i32 = 2;
 
 /// Defects of energy conservation, relative to the largest of the compared numbers, and numbers of unknowns and of zero
@@ -32,7 +33,7 @@ pub struct EnergyConservation {
     pub antisymmetry_defect: f64,
     /// Largest ratio max |Re ς|/max |ς|, over the roots at a wave vector, of elastic waves at all sampled wave vectors.
     pub elastic_growth: f64,
-    /// The same ratio of waves while yielding.
+    /// Largest ratio max |Re ς|/max |ς|, over the roots at a wave vector, of waves while the solid yields.
     pub yielding_growth: f64,
     /// Number of unknowns of the rate equations.
     pub unknown_count: usize,
@@ -41,7 +42,7 @@ pub struct EnergyConservation {
 }
 
 /// Measures energy conservation of the elastic equations from the linearised system, and growth over 40 directions and
-/// four decades of wave numbers around `wave_number` (1/m).
+/// two decades of wave numbers below and above `wave_number` (1/m).
 pub fn measure_energy_conservation<const D: usize>(
     elastic: &RateEquations<D>,
     rates: &RateEquations<D>,
@@ -111,7 +112,7 @@ fn max_growth<const D: usize>(
     };
     let (gradient, local) = (system.b.each_ref().map(in_units), in_units(&system.c));
     let mut worst = 0.0f64;
-    for index in 0..DIRECTIONS {
+    for index in 0..DIRECTION_COUNT {
         let normal = sample_direction::<D>(index);
         let along: DMatrix<f64> = gradient.iter().zip(normal).map(|(b, n)| b * n).sum();
         for decade in -DECADES..=DECADES {
@@ -126,9 +127,9 @@ fn max_growth<const D: usize>(
     worst
 }
 
-/// Unit vector number `index` of `DIRECTIONS` spread evenly over half the circle or half the sphere.
+/// Unit vector number `index` of `DIRECTION_COUNT` spread evenly over half the circle or half the sphere.
 fn sample_direction<const D: usize>(index: usize) -> [f64; D] {
-    let share = (index as f64 + 0.5) / DIRECTIONS as f64;
+    let share = (index as f64 + 0.5) / DIRECTION_COUNT as f64;
     let mut normal = [0.0; D];
     if D == 2 {
         (normal[0], normal[1]) = ((PI * share).cr_cos(), (PI * share).cr_sin());

@@ -33,6 +33,7 @@ const UNIT_CIRCLE_TOLERANCE: f64 = 1e-3;
 /// Relative increase of the level in each round of the supremum search; the search ends if Re c exceeds the increased
 /// level at no angle.
 const RELATIVE_LEVEL_STEP: f64 = 1e-7;
+/// Maximum number of rounds of the supremum search.
 const MAX_ROUNDS: usize = 12;
 /// Offset of the sampling angles from the axes, in steps.
 const SAMPLE_OFFSET: f64 = 0.372_915_6;

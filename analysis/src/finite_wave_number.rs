@@ -10,12 +10,12 @@ use crate::rounded_complex::RoundedComplex;
 use models::Rounded;
 use std::f64::consts::PI;
 
-/// Wave number, in scaled units, that stands for any large one.
+/// Large wave number, in scaled units, at which generic properties are tested.
 const GENERIC_WAVE_NUMBER: f64 = 1.37e3;
 
-/// Searches for a direction in which the coefficient of the highest power of ς vanishes at a finite wave number k while a
-/// root with positive real part passes through infinity; returns the limit of this direction as k → ∞, and whether the
-/// growth is certain. `None` if there is no such direction, or if a term of the highest power of ς is doubtful.
+/// Searches for a direction in which the coefficient of the highest power of ς vanishes at a finite wave number k while
+/// a root with positive real part passes through infinity; returns the limit of this direction as k → ∞, and whether
+/// the growth is certain. `None` if there is no such direction, or if a term of the highest power of ς is doubtful.
 pub(crate) fn find_unbounded_direction(
     certain: &[DispersionTerm],
     doubtful: &[DispersionTerm],

@@ -99,7 +99,7 @@ pub struct Assessment {
     pub degenerate_directions: StackList<DegenerateDirection>,
 }
 
-/// An edge of the Newton polygon in a general direction.
+/// Edge of the Newton polygon in a general direction: the roots of one order of growth.
 struct PolygonEdge<'a> {
     order: GrowthOrder,
     /// Terms on the edge, by descending power of ς.
@@ -123,8 +123,8 @@ pub fn assess(pencil: &Pencil) -> Assessment {
     let (mut certain, doubtful): (StackList<DispersionTerm, 24>, StackList<DispersionTerm, 24>) =
         terms.into_iter().partition(|term| term.form.is_nonzero());
     let corners = newton_polygon_corners(certain.iter().map(exponents));
-    let mut zeros = zeros_of_corners(pencil, &mut certain, &corners);
-    let edges = growing_edges(&certain, &corners);
+    let mut zeros = find_corner_zeros(pencil, &mut certain, &corners);
+    let edges = find_growing_edges(&certain, &corners);
     assessment.orders = edges
         .iter()
         .map(|e| (e.order, e.terms[0].time_power - e.terms[e.terms.len() - 1].time_power))
@@ -182,7 +182,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
             search_collisions(&certain, edge, &zeros, &mut accumulator);
         }
     }
-    assessment.verdict = verdict(accumulator, pencil);
+    assessment.verdict = decide_verdict(accumulator, pencil);
     assessment
 }
 
@@ -196,7 +196,7 @@ const CLOSE_ZERO_DISTANCE: f64 = 1e-2;
 
 /// Zeros of all corner coefficients of the Newton polygon, including corners off the growing edges: at their zeros
 /// other edges may grow. Coefficients with close zeros are split into factors, whose zeros are well-conditioned.
-fn zeros_of_corners(
+fn find_corner_zeros(
     pencil: &Pencil,
     terms: &mut [DispersionTerm],
     corners: &[(i64, i64)],
@@ -210,7 +210,9 @@ fn zeros_of_corners(
         let flatter = corners.get(index + 1).map(|&next| slope(corner, next));
         let is_growing = |s: &Option<[i64; 2]>| s.is_some_and(|s| s[0] > 0);
         let is_close = zeros.iter().any(|z| !z.has_sign_change)
-            || sectors(&zeros).iter().any(|(left, right)| right - left < CLOSE_ZERO_DISTANCE);
+            || sectors_between(&zeros)
+                .iter()
+                .any(|(left, right)| right - left < CLOSE_ZERO_DISTANCE);
         if is_close && (is_growing(&steeper) || is_growing(&flatter)) {
             // A slope m strictly between the slopes of the two edges, at which the corner alone is of leading order.
             let low = flatter.unwrap_or([0, 1]);
@@ -228,8 +230,8 @@ fn zeros_of_corners(
     all
 }
 
-/// Edges of positive slope, steepest first.
-fn growing_edges<'a>(
+/// Finds the edges of the Newton polygon with a positive order of growth, largest order first.
+fn find_growing_edges<'a>(
     terms: &'a [DispersionTerm],
     corners: &[(i64, i64)],
 ) -> StackList<PolygonEdge<'a>> {
@@ -308,8 +310,8 @@ impl PolygonEdge<'_> {
     }
 }
 
-/// Sectors between degenerate directions: (left, right), rad.
-fn sectors(zeros: &[FormZero]) -> StackList<(f64, f64)> {
+/// Sectors between neighbouring degenerate directions: (left, right), rad.
+fn sectors_between(zeros: &[FormZero]) -> StackList<(f64, f64)> {
     // Without zeros: one sector of length π whose ends are at no special angle, so that no extremum lies there.
     let Some(first) = zeros.first() else { return list![(-0.123_4, PI - 0.123_4)] };
     zeros
@@ -343,7 +345,7 @@ fn search_directions(edge: &PolygonEdge, zeros: &[FormZero], accumulator: &mut G
     // c^r = −F₀/F₁ up to a power of i: |c| is extremal where |F₀/F₁| is.
     let mut extrema = None;
     let power = 1.0 / (first.time_power - last.time_power) as f64;
-    for (left, right) in sectors(angles) {
+    for (left, right) in sectors_between(angles) {
         let ratio = |angle: f64| {
             let [upper, lower] = [&last.form, &first.form].map(|f| f.evaluate_at_angle(angle));
             // Next to the ends of the sector, or where F₁ is lost to rounding, the ratio is taken as 0.
@@ -418,7 +420,7 @@ fn continue_neutral_roots(
         puiseux::combine_like_terms(&mut list);
         puiseux::asymptotic_growth(&list, 1, None)
     };
-    for (left, right) in sectors(zeros) {
+    for (left, right) in sectors_between(zeros) {
         let step = (right - left) / SECTOR_SAMPLES as f64;
         let mut best: Option<(GrowthOrder, f64, f64)> = None;
         for sample in 0..SECTOR_SAMPLES {
@@ -430,11 +432,11 @@ fn continue_neutral_roots(
             };
             // Next to a collision distinct roots may appear multiple; growth of a whole sector also appears at
             // neighbouring angles.
-            let goes_on = [0.4, -0.4].into_iter().any(|offset| {
+            let continues_at_neighbours = [0.4, -0.4].into_iter().any(|offset| {
                 let beside = at(angle + offset * step.max(MIN_SECTOR_WIDTH));
                 beside.growth.is_some_and(|(beside, _)| beside == order)
             });
-            if !goes_on {
+            if !continues_at_neighbours {
                 accumulator.record_undecided_contact(order, angle);
             } else if best.is_none_or(|(o, b, _)| (order, c) > (o, b)) {
                 best = Some((order, c, angle));
@@ -483,8 +485,8 @@ fn search_collisions(
     }
 }
 
-/// Verdict from the accumulated worst growth and doubts.
-fn verdict(mut accumulator: GrowthAccumulator, pencil: &Pencil) -> Verdict {
+/// Decides the verdict from the largest growth and the undecided quantities of the search.
+fn decide_verdict(mut accumulator: GrowthAccumulator, pencil: &Pencil) -> Verdict {
     if let Some(order) = accumulator.missing_order() {
         accumulator.growth = None;
         accumulator.record_undecided(

@@ -4,8 +4,8 @@ use crate::newton_polygon::GrowthOrder;
 use crate::puiseux::RootGrowth;
 use std::f64::consts::PI;
 
-/// Factor by which the coefficient of a layer must exceed the largest known coefficient of the same order: a layer
-/// usually repeats the coefficient of the neighbouring sectors.
+/// Factor by which the growth coefficient in a layer around a degenerate direction must exceed the largest coefficient
+/// so far of the same order: a layer usually repeats the coefficient of the neighbouring sectors.
 const LAYER_EXCESS: f64 = 1.0 + 1e-6;
 
 /// Largest growth so far, and the first undecided quantity.

@@ -1,4 +1,5 @@
-//! Growth in the layers around degenerate directions, by the Newton polytope in root, direction and wave number.
+//! Growth in thin layers of directions around degenerate directions, by the Newton polytope of the dispersion
+//! polynomial in root, direction and wave number.
 //!
 //! A chart is the dispersion polynomial Σ value xⁱ yˡ k^j in local coordinates: x = ς − ς₀, and y is the offset of the
 //! wave vector from a direction. For x = c k^m and y = d k^τ, the leading terms belong to a facet of the Newton
@@ -34,7 +35,7 @@ struct ChartTerm {
     value: RoundedComplex,
 }
 
-/// Direction of a chart, for reports, and how many charts may still be nested in it.
+/// Degenerate direction of a chart, and remaining depth of nested charts.
 #[derive(Clone, Copy)]
 pub(crate) struct ChartLocation {
     /// The degenerate direction, rad.
@@ -43,7 +44,8 @@ pub(crate) struct ChartLocation {
     remaining_depth: usize,
 }
 
-/// A polynomial in local coordinates (x, y) and k; see the module comment.
+/// Dispersion polynomial in coordinates (x, y) relative to a root and a direction, and in the wave number k; see the
+/// module comment.
 struct Chart {
     terms: StackList<ChartTerm, 64>,
     /// Common denominator of the powers of k.
@@ -98,7 +100,7 @@ fn build_chart(terms: &[DispersionTerm], zero: &FormZero) -> Chart {
     }
 }
 
-/// Searches growth in the layers around a direction in which some coefficient vanishes.
+/// Searches growth in the layers around a degenerate direction, in which a coefficient of the polynomial vanishes.
 pub(crate) fn search_layer(
     terms: &[DispersionTerm],
     zero: &FormZero,
@@ -233,7 +235,7 @@ struct Facet {
 }
 
 /// Searches growth in a chart: in the degenerate direction itself, and in every facet of the Newton polytope.
-fn search_chart(chart: &Chart, place: ChartLocation, accumulator: &mut GrowthAccumulator) {
+fn search_chart(chart: &Chart, location: ChartLocation, accumulator: &mut GrowthAccumulator) {
     // The degenerate direction itself, y = 0.
     let line: StackList<Monomial, 32> = chart
         .terms
@@ -243,10 +245,10 @@ fn search_chart(chart: &Chart, place: ChartLocation, accumulator: &mut GrowthAcc
         .collect();
     accumulator.record_root_growth(
         puiseux::asymptotic_growth(&line, chart.power_denominator, chart.order_bound),
-        place.angle,
+        location.angle,
     );
     for facet in find_facets(chart) {
-        search_facet(chart, &facet, place, accumulator);
+        search_facet(chart, &facet, location, accumulator);
     }
 }
 
@@ -259,7 +261,7 @@ fn is_off_axes(angle: &f64) -> bool {
 fn search_facet(
     chart: &Chart,
     facet: &Facet,
-    place: ChartLocation,
+    location: ChartLocation,
     accumulator: &mut GrowthAccumulator,
 ) {
     let lowest = facet.terms.iter().map(|p| p.x_power).min().unwrap_or(0);
@@ -297,7 +299,7 @@ fn search_facet(
             None => face.supremum(&avoided).map(|(rate, _)| rate),
         };
         if let Some(rate) = supremum {
-            accumulator.record_layer_growth(facet.order, rate, place.angle);
+            accumulator.record_layer_growth(facet.order, rate, location.angle);
         } else if special.iter().any(|z| {
             [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.max_growth(z + offset) > 0.0)
         }) {
@@ -305,7 +307,7 @@ fn search_facet(
             accumulator.expect_growth_above(facet.order);
         }
     }
-    if place.remaining_depth == 0 {
+    if location.remaining_depth == 0 {
         let hidden = special.iter().any(is_off_axes) && accumulator.is_bounded();
         if hidden {
             accumulator.record_undecided(
@@ -316,7 +318,7 @@ fn search_facet(
         }
         return;
     }
-    let deeper = ChartLocation { remaining_depth: place.remaining_depth - 1, ..place };
+    let deeper = ChartLocation { remaining_depth: location.remaining_depth - 1, ..location };
     for angle in special.iter().copied().filter(is_off_axes) {
         let moved =
             chart.shift_offset(facet.offset_order, angle.cr_tan(), offset_error_bound(angle));
@@ -454,7 +456,8 @@ fn terms_at_offset(chart: &Chart, tau: GrowthOrder, d: f64) -> (StackList<Monomi
     (terms, unit)
 }
 
-/// Facets of the Newton polytope with normal (m, τ, 1), m > 0, where m and τ are below the order bounds of the chart.
+/// Finds the facets of the Newton polytope with normal (m, τ, 1), m > 0, where m and τ are below the order bounds of
+/// the chart.
 fn find_facets(chart: &Chart) -> StackList<Facet> {
     // Among terms with equal powers of x and of y the one with the largest power of k dominates.
     let mut terms: StackList<&ChartTerm, 64> = StackList::new();

@@ -1,5 +1,6 @@
-//! One-dimensional searches: golden section, bisection, sectors.
+//! One-dimensional searches: golden section, bisection, and sectors in which a predicate holds.
 
+/// Inverse (√5 − 1)/2 of the golden ratio.
 const GOLDEN_RATIO_INVERSE: f64 = 0.618_033_988_749_894_9;
 
 /// Bracketing interval of a maximum after golden-section search.
@@ -10,7 +11,7 @@ pub(crate) struct Bracket {
 }
 
 impl Bracket {
-    /// The middle of the interval.
+    /// Midpoint of the bracketing interval.
     pub(crate) fn midpoint(&self) -> f64 {
         0.5 * (self.ends[0] + self.ends[1])
     }

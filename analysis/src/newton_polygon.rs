@@ -1,5 +1,5 @@
-//! Newton polygon of a polynomial P(ς, k): its upper hull over the exponents of ς and k has a slope −m for each group of
-//! roots that grow as ς ≈ c kᵐ for k → ∞; `puiseux` computes the coefficients c.
+//! Newton polygon of a polynomial P(ς, k): its upper hull over the exponents of ς and k has a slope −m for each group
+//! of roots that grow as ς ≈ c kᵐ for k → ∞; `puiseux` computes the coefficients c.
 
 use crate::list::StackList;
 use std::cmp::Ordering;

@@ -294,7 +294,7 @@ struct BlockWorkspace {
     polynomial: DispersionPolynomial,
 }
 
-/// Dispersion polynomial of a square block, in scaled units, so that each term has a positive factor of its own;
+/// Dispersion polynomial of a square block, in scaled units, so that each term is multiplied by some positive factor;
 /// `entry` (i, j) returns the coefficients of A, B¹, B², C. `None` if a coefficient is not finite or the block is too
 /// large.
 pub(crate) fn block_determinant(

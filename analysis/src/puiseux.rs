@@ -7,7 +7,7 @@ use crate::roots;
 use crate::rounded_complex::RoundedComplex;
 use num_complex::Complex64;
 
-/// A term `value` x^`x_power` k^(`k_power`/D), D common to all terms.
+/// A term `value` x^`x_power` k^(`k_power`/D) of a polynomial in x; the denominator D is common to all terms.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Monomial {
     pub(crate) x_power: usize,

@@ -5,6 +5,7 @@ use crate::list::{StackList, list};
 use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
+/// Maximum number of Aberth–Ehrlich iterations.
 const MAX_ITERATIONS: usize = 200;
 
 /// All roots of Σ `coefficients[i]` xⁱ; the last coefficient must not vanish.

@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign, Mul};
 /// Upper bound on the relative rounding error of a complex product or sum.
 const RELATIVE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// A complex number known to within a distance of `bound`.
+/// Complex number `value` whose error is at most `bound` in modulus.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RoundedComplex {
     pub(crate) value: Complex64,

@@ -42,7 +42,8 @@ pub(crate) struct EntryScales {
     pub groups: StackList<f64>,
 }
 
-const SWEEPS: usize = 6;
+/// Number of sweeps of coordinate descent.
+const BALANCE_SWEEPS: usize = 6;
 
 /// Minimises the sum over the entries of (log₂ of the modulus + log₂ of the scales of row, column and group)² by sweeps
 /// of coordinate descent; the scales returned are rounded to powers of two.
@@ -62,7 +63,7 @@ pub(crate) fn balance_entries(
             e.group.checked_sub(1).map(|g| offsets[2] + g),
         ]
     };
-    for _ in 0..SWEEPS {
+    for _ in 0..BALANCE_SWEEPS {
         for kind in 0..3 {
             sums.fill((0.0, 0));
             for entry in entries {

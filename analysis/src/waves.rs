@@ -86,7 +86,7 @@ pub struct FrequencyInterval {
     pub upper: f64,
 }
 
-/// Kind of a velocity in the basis (n, t₁, t₂).
+/// Kind of a velocity in the basis (n, t₁, t₂), n the wave normal: along n or across it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Motion {
     TranslationAlong,
@@ -145,7 +145,7 @@ pub fn roots<const D: usize>(
 impl DirectionalWaves {
     /// Plane waves along the unit vector `normal`.
     pub fn from_equations<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
-        let (basis, motions) = basis(equations, normal);
+        let (basis, motions) = build_velocity_basis(equations, normal);
         let mut gradient = DMatrix::zeros(equations.stress_count(), equations.velocity_count());
         for (axis, component) in normal.iter().enumerate() {
             gradient += &equations.gradient[axis] * *component;
@@ -176,7 +176,7 @@ impl DirectionalWaves {
             };
             let own: Vec<Motion> = members.iter().map(|&i| motions[i]).collect();
             WaveFamily {
-                polarisation: polarisation(&own),
+                polarisation: classify_polarisation(&own),
                 coefficients: coefficients.each_ref().map(part),
                 is_hermitian,
             }
@@ -186,7 +186,7 @@ impl DirectionalWaves {
 }
 
 /// Basis of the velocities, in columns: translations along (n, t₁, t₂), then spins about these axes, with their kinds.
-fn basis<const D: usize>(
+fn build_velocity_basis<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],
 ) -> (DMatrix<f64>, Vec<Motion>) {
@@ -257,7 +257,7 @@ fn coupled_components(coefficients: &[ComplexMatrix; 3]) -> Vec<Vec<usize>> {
 }
 
 /// Polarisation of a family with these kinds of velocities.
-fn polarisation(motions: &[Motion]) -> Polarisation {
+fn classify_polarisation(motions: &[Motion]) -> Polarisation {
     use Motion::{SpinAcross, SpinAlong, TranslationAcross, TranslationAlong};
     match motions {
         [TranslationAlong] => Polarisation::Longitudinal,

@@ -10,7 +10,7 @@ use models::yield_set::YieldSet;
 use models::yield_set::parameters::{
     ActiveCondition, InterlayerCoupleLimits, InterlayerYieldSet, Mises,
 };
-use models::yield_set::tangent::tangent;
+use models::yield_set::tangent::tangent_stiffness;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::slipping_layer::SlippingLayer;
@@ -72,7 +72,8 @@ fn random_yielding_equations(random: &mut RandomNumbers) -> Option<RateEquations
         set.condition(&Stress { force, couple }).into_iter().collect()
     };
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
-    let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &active).ok()?;
+    let stiffness =
+        tangent_stiffness(&solid.stiffness(layout.all_stresses()), &list, &active).ok()?;
     Some(layout.rates(&stiffness, 1.0, inertia))
 }
 
@@ -121,14 +122,14 @@ fn verdict_agrees_with_flutter_and_shear_bands() {
         };
         let extremes = AcousticTensor2::new(&equations).search_extremes(hint.as_slice());
         flutter += u32::from(extremes.flutter.is_some());
-        let shear_band = extremes.slowest.speed_squared < -extremes.slowest.rounding;
+        let shear_band = extremes.slowest.squared_speed < -extremes.slowest.rounding;
         let grows = extremes.flutter.is_some() || shear_band;
         match verdict {
             Verdict::IllPosed { growth: Some(growth), .. } if growth.order.to_f64() == 1.0 => {
                 ill += 1;
                 assert!(grows, "{growth:?} without complex or imaginary speeds");
                 // The coefficient is the square root of a discriminant: small coefficients lose digits.
-                let difference = (extremes.growth() - growth.coefficient).abs();
+                let difference = (extremes.max_imaginary_speed() - growth.coefficient).abs();
                 worst = worst.max(difference * growth.coefficient);
             }
             Verdict::IllPosed { .. } => lower += 1,
@@ -211,10 +212,10 @@ fn search_finds_extremes_of_brute_force() {
                 }
             }
         }
-        let found = extremes.flutter.map_or(0.0, |flutter| flutter.growth);
+        let found = extremes.flutter.map_or(0.0, |flutter| flutter.max_imaginary_speed);
         assert!(found >= growth * (1.0 - 1e-9), "{found} {growth}");
         if least.is_finite() {
-            let slowest = extremes.slowest.speed_squared;
+            let slowest = extremes.slowest.squared_speed;
             assert!(slowest <= least + 1e-9, "{slowest} {least}");
         }
     }
@@ -227,7 +228,7 @@ fn von_mises_yielding_in_pure_shear_has_zero_speeds_at_45_degrees() {
     let tensor = AcousticTensor2::new(&solid.rates::<2>());
     let extremes = tensor.search_extremes(&[]);
     assert!(extremes.flutter.is_none());
-    assert!((extremes.slowest.speed_squared - 1.0).abs() < 1e-14);
+    assert!((extremes.slowest.squared_speed - 1.0).abs() < 1e-14);
     assert!(tensor.zero_speed_directions().is_empty() && tensor.flutter_sectors().is_empty());
     // Ideal von Mises yielding in pure shear: c² = 0 at ±45° from the axes, a double zero, since the flow is
     // associated.
@@ -237,7 +238,7 @@ fn von_mises_yielding_in_pure_shear_has_zero_speeds_at_45_degrees() {
     let active = set.active_conditions(&stress, 1e-9);
     let layout = solid.layout::<2>();
     let list: Vec<_> = layout.all_stresses().collect();
-    let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &active);
+    let stiffness = tangent_stiffness(&solid.stiffness(layout.all_stresses()), &list, &active);
     let equations: RateEquations<2> = layout.rates(&stiffness.expect("response"), 1.0, 0.0);
     let vanishing = AcousticTensor2::new(&equations).zero_speed_directions();
     assert_eq!(vanishing.len(), 2, "{vanishing:?}");

@@ -10,7 +10,7 @@ use wellposed_analysis::bound::{SUPREMUM_TOLERANCE, SupremumWaveNumber, locate_s
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 
-fn model(friction_angle: f64) -> Model {
+fn build_model(friction_angle: f64) -> Model {
     let parameters = FlowParameters {
         friction_angle,
         dilatancy_angle: 0.0,
@@ -24,7 +24,7 @@ fn model(friction_angle: f64) -> Model {
 fn build_pencil(model: &Model, state: &MaterialState) -> (DeformingFlow, Pencil) {
     let flow = *model.background(state).unwrap().flow().unwrap();
     let mut system = LinearisedSystem::default();
-    model.symbol(&flow, &mut system);
+    model.write_symbol(&flow, &mut system);
     let mut pencil = Pencil::default();
     pencil.update(&system).unwrap();
     (flow, pencil)
@@ -48,7 +48,7 @@ fn supremum_of_uniform_incompressible_states_agrees_with_exact_relation() {
             velocity: [0.3, -0.8],
             ..MaterialState::default()
         };
-        let model = model(phi);
+        let model = build_model(phi);
         let (flow, pencil) = build_pencil(&model, &state);
         let assessment = assess(&pencil);
         assert_eq!(assessment.verdict, Verdict::WellPosed);
@@ -91,7 +91,7 @@ fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
         pressure_gradient: [100.0, 2000.0],
         ..MaterialState::default()
     };
-    let model = model(0.5);
+    let model = build_model(0.5);
     let (flow, pencil) = build_pencil(&model, &state);
     let assessment = assess(&pencil);
     assert_eq!(assessment.verdict, Verdict::WellPosed);

@@ -89,8 +89,8 @@ fn many_verdicts_agree_with_brute_force() {
     assert_agreement_with_brute_force(1120);
 }
 
-/// Checks the verdicts on `count` states against brute force: order within 0.05 (0.02 if well-posed), coefficient within
-/// 2 %.
+/// Checks the verdicts on `count` states against brute force: order within 0.05 (0.02 if well-posed), coefficient
+/// within 2 %.
 fn assert_agreement_with_brute_force(count: u64) {
     let results: Vec<(usize, Verdict, Result<(), String>)> = (0..count)
         .into_par_iter()

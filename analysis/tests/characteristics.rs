@@ -174,13 +174,15 @@ fn double_shearing_with_inertia_has_characteristics_of_its_quartic() {
         let nearest = wanted
             .iter()
             .enumerate()
-            .flat_map(|(i, a)| wanted[..i].iter().map(|b| (a.to_c64() - b.to_c64()).norm()))
+            .flat_map(|(i, a)| {
+                wanted[..i].iter().map(|b| (a.to_complex64() - b.to_complex64()).norm())
+            })
             .fold(f64::MAX, f64::min);
         if nearest < 1e-3 {
             continue;
         }
         let mut real = 0;
-        for t in wanted.iter().map(|t| t.to_c64()) {
+        for t in wanted.iter().map(|t| t.to_complex64()) {
             if off_real(t) < 1e-30 {
                 real += 1;
                 // The characteristic is perpendicular to the wave vector (1, t).

@@ -30,7 +30,7 @@ fn relative_error(found: ExtendedReal, exact: Real256) -> f64 {
         assert_eq!(found.high, 0.0);
         return 0.0;
     }
-    ((to_real256(found) - exact).abs() * exact.abs().recip()).to_f64()
+    ((to_real256(found) - exact).abs() * exact.abs().reciprocal()).to_f64()
 }
 
 /// Verifies sums and products to 2⁻¹⁰³ relative, cancellation included, and |low| ≤ ½ ulp(high).
@@ -102,9 +102,9 @@ fn complex_arithmetic_is_accurate_to_twice_the_precision() {
         };
         let (x, y) = (z(), z());
         let size = c(x).modulus() * c(y).modulus();
-        worst = worst.max(((c(x * y) - c(x) * c(y)).modulus() * size.recip()).to_f64());
+        worst = worst.max(((c(x * y) - c(x) * c(y)).modulus() * size.reciprocal()).to_f64());
         let size = c(x).modulus() + c(y).modulus();
-        worst = worst.max(((c(x + y) - (c(x) + c(y))).modulus() * size.recip()).to_f64());
+        worst = worst.max(((c(x + y) - (c(x) + c(y))).modulus() * size.reciprocal()).to_f64());
     }
     assert!(worst < (-102f64).exp2(), "{worst:e}");
 }
@@ -128,7 +128,7 @@ fn reference_arithmetic_agrees_with_integers_and_known_values() {
         assert_eq!(integer(a) - integer(a + 1), integer(-1));
         assert_eq!((integer(a) + integer(d)) > integer(b), a + d > b);
         let x = integer(a * 2 + 1);
-        assert!((x * x.recip() - Real256::from(1.0)).abs().exponent() < -250);
+        assert!((x * x.reciprocal() - Real256::from(1.0)).abs().exponent() < -250);
         assert_eq!(Real256::from(x.to_f64()), x, "41 bits fit in a double");
         // Exponents far apart: the borrow passes through all limbs.
         let tiny = Real256::from(1.0).multiply_by_power_of_two(-200);

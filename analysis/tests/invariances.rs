@@ -83,7 +83,7 @@ fn assert_roots_close(before: &[Complex64], after: &[Complex64], tolerance: f64)
     assert_eq!(before.len(), after.len());
     let wanted: Vec<Complex256> = before.iter().map(|&z| z.into()).collect();
     for (found, wanted) in match_roots(after, &wanted) {
-        let wanted = wanted.to_c64();
+        let wanted = wanted.to_complex64();
         let gap = (found - wanted).norm();
         assert!(gap <= tolerance * wanted.norm(), "{before:?}, {after:?}");
     }
@@ -207,7 +207,7 @@ fn verdict_and_growth_are_galilean_invariant() {
         assert_eq!(before.len(), after.len());
         let wanted: Vec<Complex256> = before.iter().map(|&z| (z - convection).into()).collect();
         for (found, wanted) in match_roots(&after, &wanted) {
-            let wanted = wanted.to_c64();
+            let wanted = wanted.to_complex64();
             let size = wanted.norm() + k * (v1.hypot(v2) + 2.0 * shift[0].hypot(shift[1]));
             assert!((found - wanted).norm() <= 4.0 * f64::EPSILON * size, "{found}, {wanted}");
             // The growth rate does not change beyond its last bit.
@@ -252,7 +252,7 @@ fn superposed_rotation_leaves_growth_unchanged() {
         let convection = Complex64::new(0.0, k * (v1 * cos + v2 * sin));
         let wanted: Vec<Complex64> = solve_roots(&wanted.coefficients_at_wave([k * cos, k * sin]))
             .into_iter()
-            .map(|z| z.to_c64() - convection)
+            .map(|z| z.to_complex64() - convection)
             .collect();
         assert_roots_close(&wanted, &finite_roots(&rotating, k, direction), 1e-8);
     }

@@ -52,7 +52,7 @@ fn constant_wave_vector_gives_the_roots_of_the_frozen_pencil() {
         for _ in 0..300 {
             let (model, flow) = random_flow(kind, &mut random);
             let mut system = LinearisedSystem::default();
-            model.symbol(&flow, &mut system);
+            model.write_symbol(&flow, &mut system);
             let mut pencil = Pencil::default();
             pencil.update(&system).expect("finite");
             let (number, direction) =
@@ -100,7 +100,7 @@ fn rate_of_the_wave_vector_contributes_its_closed_form() {
         for _ in 0..300 {
             let (model, flow) = random_flow(kind, &mut random);
             let mut system = LinearisedSystem::default();
-            model.symbol(&flow, &mut system);
+            model.write_symbol(&flow, &mut system);
             let (number, theta) = (10f64.powf(random.uniform(-1.0, 4.0)), random.uniform(0.0, 3.1));
             let (across, along) = ([-theta.sin(), theta.cos()], [theta.cos(), theta.sin()]);
             let wave = along.map(|x| number * x);
@@ -157,7 +157,7 @@ fn integrated_wave_agrees_with_runge_kutta() {
     for kind in FLOW_KINDS {
         let (model, flow) = random_flow(kind, &mut random);
         let mut system = LinearisedSystem::default();
-        model.symbol(&flow, &mut system);
+        model.write_symbol(&flow, &mut system);
         let gradient = flow.velocity_gradient.map(|row| row.map(|own| own.value));
         let wave = [0.7, -0.4];
         let at = |time: f64| {

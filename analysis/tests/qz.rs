@@ -119,7 +119,7 @@ fn model_pencils_have_small_backward_errors() {
         error: f64,
         has_exact_count: bool,
         /// Numbers of well-conditioned roots, of roots missed by QZ, and of roots missed by faer.
-        roots: [usize; 3],
+        root_counts: [usize; 3],
     }
     let outcomes: Vec<PencilOutcome> = (0..STATE_COUNT)
         .into_par_iter()
@@ -143,19 +143,19 @@ fn model_pencils_have_small_backward_errors() {
             let mut outcome = PencilOutcome {
                 error,
                 has_exact_count: found.len() == wanted.len(),
-                roots: [0; 3],
+                root_counts: [0; 3],
             };
             if seed < STATE_COUNT / 5 {
                 let faer: Vec<_> =
                     faer_eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
                 for root in wanted {
                     if !root.is_zero() && condition_number(&exact, wave, root) < 1e6 {
-                        let root = root.to_c64() / pencil.scaled.rate_unit;
+                        let root = root.to_complex64() / pencil.scaled.rate_unit;
                         let misses =
                             |found| usize::from(max_relative_distance(found, &[root]) > 1e-6);
-                        outcome.roots[0] += 1;
-                        outcome.roots[1] += misses(&found);
-                        outcome.roots[2] += misses(&faer);
+                        outcome.root_counts[0] += 1;
+                        outcome.root_counts[1] += misses(&found);
+                        outcome.root_counts[2] += misses(&faer);
                     }
                 }
             }
@@ -165,7 +165,7 @@ fn model_pencils_have_small_backward_errors() {
     let worst = outcomes.iter().map(|o| o.error).fold(0.0, f64::max);
     let miscounted = outcomes.iter().filter(|o| !o.has_exact_count).count();
     let [all, missed, missed_by_faer] =
-        [0, 1, 2].map(|which| outcomes.iter().map(|o| o.roots[which]).sum::<usize>());
+        [0, 1, 2].map(|which| outcomes.iter().map(|o| o.root_counts[which]).sum::<usize>());
     println!(
         "{STATE_COUNT} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
          finite eigenvalues than roots; of {all} well-conditioned roots {missed} missed, \
@@ -246,7 +246,7 @@ fn index_two_pencils_have_the_roots_of_the_exact_polynomial() {
         let wanted: Vec<Complex64> =
             solve_roots(&System256::from_linearised(&system).coefficients_at_wave([1.0, 0.0]))
                 .iter()
-                .map(|z| z.to_c64())
+                .map(|z| z.to_complex64())
                 .collect();
         let right = ComplexMatrix::from_fn(n, n, |i, j| system.a[(i, j)].value.into());
         let left = ComplexMatrix::from_fn(n, n, |i, j| {

@@ -48,8 +48,8 @@ fn condition_number(system: &LinearisedSystem<2>, wave: [f64; 2], root: Complex2
             sum += size * cofactor.modulus();
         }
     }
-    let relative = sum * slope.recip() + convection[0].abs() + convection[1].abs();
-    (relative * root.modulus().recip()).to_f64()
+    let relative = sum * slope.reciprocal() + convection[0].abs() + convection[1].abs();
+    (relative * root.modulus().reciprocal()).to_f64()
 }
 
 struct RootComparison {
@@ -98,7 +98,7 @@ fn compare_with_exact_roots(seed: u64) -> RootComparison {
             assert_eq!(*found, Complex64::ZERO, "seed {seed}: a root that is exactly zero");
             continue;
         }
-        let error = (Complex256::from(*found) - wanted).modulus() * wanted.modulus().recip();
+        let error = (Complex256::from(*found) - wanted).modulus() * wanted.modulus().reciprocal();
         let error = error.to_f64();
         if error <= 1e-12 {
             outcome.max_deviation = outcome.max_deviation.max(error);
@@ -187,14 +187,14 @@ fn roots_of_symmetric_polynomials_converge() {
                 }
                 p = next;
             }
-            let rounded: Vec<Complex64> = p.iter().map(|c| c.to_c64()).collect();
+            let rounded: Vec<Complex64> = p.iter().map(|c| c.to_complex64()).collect();
             let extended: Vec<ExtendedComplex> = rounded
                 .iter()
                 .map(|c| ExtendedComplex { re: c.re.into(), im: c.im.into() })
                 .collect();
             for found in [solve(&rounded), solve_extended(&extended, &[])] {
                 for (found, wanted) in match_roots(&found, &wanted) {
-                    let error = (found - wanted.to_c64()).norm();
+                    let error = (found - wanted.to_complex64()).norm();
                     assert!(error < 1e-10 * scale, "{scale:e} × {set:?}: {found} for {wanted:?}");
                 }
             }
@@ -221,7 +221,7 @@ fn clustered_roots_of_uncoupled_equations_are_resolved() {
         let wanted: Vec<Complex256> =
             (0..n).map(|i| Complex64::new(-rate(i), -1.0).into()).collect();
         for (found, wanted) in match_roots(&finite, &wanted) {
-            let error = (found - wanted.to_c64()).norm();
+            let error = (found - wanted.to_complex64()).norm();
             assert!(error < 1e-12, "{n} roots 2^-{bits} apart: {found} off by {error:e}");
         }
     }
@@ -365,7 +365,7 @@ fn no_spurious_third_root_in_degenerate_directions() {
                         continue;
                     }
                     let gap = (Complex256::from(*found) - wanted).modulus();
-                    let error = (gap * wanted.modulus().recip()).to_f64();
+                    let error = (gap * wanted.modulus().reciprocal()).to_f64();
                     let allowed = 1e-15 * condition_number(&sample.system, wave, wanted);
                     assert!(error <= allowed.max(1e-12), "{found} off by {error:e} of {allowed:e}");
                 }

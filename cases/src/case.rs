@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 /// size in memory.
 pub const MAX_FILE_SIZE: u64 = 16 << 20;
 
-/// Purpose for which a case is read: any, or a time-domain simulation.
+/// Purpose for which a case is read: analysis, or a time-domain simulation, which needs a section `[grid]`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     Analysis,
@@ -116,7 +116,7 @@ impl Case {
                 let before = &bytes[..error.valid_up_to()];
                 let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
                 let cause = "a byte that is not UTF-8 text".to_owned();
-                Err(CaseError::Syntax { place: SourcePosition::Line { file, line }, cause })
+                Err(CaseError::Syntax { position: SourcePosition::Line { file, line }, cause })
             }
         }
     }
@@ -257,7 +257,7 @@ impl Case {
         self.map.as_ref().ok_or_else(|| {
             let axis =
                 "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
-            self.material.positions.error_at(
+            self.material.positions.key_error(
                 "map",
                 "missing",
                 format!("add a section [map] with x = {axis} and y"),
@@ -273,7 +273,7 @@ impl Case {
         let swept = |(_, sweep): &(&str, &ParameterSweep)| sweep.parameter.key().name == key;
         match axes.into_iter().find(swept) {
             Some((axis, _)) => CaseError::Key {
-                place: self.material.positions.locate_axis(axis),
+                position: self.material.positions.locate_axis(axis),
                 key: key.to_owned(),
                 found: format!("found {}, a value of the sweep {axis}", error.rejected_value),
                 allowed: error.allowed_values,
@@ -345,23 +345,23 @@ impl Case {
 
 /// Returns the error of a case without simulation: a missing section `[grid]`, or a kind of flow that cannot be
 /// simulated.
-fn missing_grid_error(places: &KeyPositions, kind: ModelKind) -> CaseError {
+fn missing_grid_error(positions: &KeyPositions, kind: ModelKind) -> CaseError {
     match kind {
         ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
             let found = format!("found {}", kind.name());
             let allowed = "use another model: this one does not determine the spin, so that it \
                            cannot be simulated";
-            places.error_at("model.kind", found, allowed)
+            positions.key_error("model.kind", found, allowed)
         }
         ModelKind::Flow(_) => {
             let allowed = "add a section [grid] with cells = [64, 64] and length = 0.1, [time] with \
                            duration, and [[initial]]";
-            places.error_at("grid", "missing", allowed)
+            positions.key_error("grid", "missing", allowed)
         }
         ModelKind::Solid(_) => {
             let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
                            with duration";
-            places.error_at("grid", "missing", allowed)
+            positions.key_error("grid", "missing", allowed)
         }
     }
 }

@@ -16,7 +16,7 @@ use models::solid::waves::SolidField;
 use models::yield_set::parameters::InterlayerYieldSet;
 use std::fmt::Write as _;
 
-/// Options of the conversion.
+/// Options of the conversion of a blocky medium to a continuum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContinuumOptions {
     /// Number of cells of the grid per block along each axis; at least 1.
@@ -34,34 +34,34 @@ impl Default for ContinuumOptions {
 /// Equivalent continuum of a blocky medium.
 #[derive(Clone, Debug)]
 pub struct EquivalentContinuum {
-    /// Blocks and joints.
+    /// Blocks and joints of the blocky medium.
     pub blocks: SquareBlocks,
-    /// Constants of the continuum.
+    /// Constants of the equivalent continuum.
     pub constants: HomogenisedConstants,
-    /// Yield set of joints that slip.
+    /// Yield set that represents the slip of joints; `None` for elastic joints.
     pub yield_set: Option<InterlayerYieldSet>,
     /// The case of the continuum, parsed from `toml`.
     pub case: Case,
-    /// Text of the case file.
+    /// Text of the case file of the continuum.
     pub toml: String,
-    /// What the continuum does not represent, or represents differently, one sentence each.
+    /// Notes on properties of the blocky medium that the continuum does not represent or represents differently.
     pub notes: Vec<String>,
 }
 
 impl Case {
-    /// Converts a case of a blocky medium to the case of its equivalent Cosserat continuum, on a grid of the same extent
-    /// with the same boundary conditions, loads, sources, initial state, time and output.
+    /// Converts a case of a blocky medium to the case of its equivalent Cosserat continuum, on a grid of the same
+    /// extent with the same boundary conditions, loads, sources, initial state, time and output.
     ///
     /// # Errors
-    /// The blocks are not square or differ, the joints differ or have no equivalent, or an initial state is an eigenmode
-    /// of the material of the blocks.
+    /// The blocks are not square or differ, the joints differ or have no equivalent, or an initial state is an
+    /// eigenmode of the material of the blocks.
     pub fn to_equivalent_continuum(
         &self,
         options: &ContinuumOptions,
     ) -> Result<EquivalentContinuum, CaseError> {
         let blocks = self.to_square_blocks()?;
         let Some(run) = &self.solid_run else {
-            return Err(self.material.positions.error_at("block", "missing", "a blocky medium"));
+            return Err(self.material.positions.key_error("block", "missing", "a blocky medium"));
         };
         let yield_set = self.convert_joint(&blocks, run, options)?;
         let constants = blocks.medium.homogenise().map_err(|error| self.locate_error(error))?;
@@ -105,7 +105,7 @@ impl Case {
                 ("couple_friction", couple[1]),
                 ("couple_dilatancy", couple[2]),
             ]);
-            // The frozen state of `wellposed point`: pure shear along the joints.
+            // State analysed by `wellposed point`: pure shear along the joints.
             material.numbers.stress = Default::default();
             (material.numbers.stress.deviatoric_stress, material.numbers.stress.stress_angle_deg) =
                 (1.0, 45.0);
@@ -116,7 +116,7 @@ impl Case {
         Ok(EquivalentContinuum { blocks, constants, yield_set, case: parsed, toml, notes })
     }
 
-    /// Returns the yield set of the joints, `None` for elastic joints.
+    /// Converts the strength of the joints to a yield set; `None` for elastic joints.
     fn convert_joint(
         &self,
         blocks: &SquareBlocks,
@@ -128,7 +128,7 @@ impl Case {
         let key = |name: &str| format!("joint[{index}].{name}");
         if options.cells_per_block == 0 {
             let allowed = "at least one cell per block";
-            return Err(run.error_at("block[0].cells", "found 0 cells per block", allowed));
+            return Err(run.key_error("block[0].cells", "found 0 cells per block", allowed));
         }
         if matches!(blocks.joint.material, LayerMaterial::Elastic(_)) {
             return Ok(None);
@@ -141,18 +141,18 @@ impl Case {
             };
             let allowed = "elastic, elastic-plastic or breaking: the continuum has no viscosity, \
                            pores or cracks; replace the kind, or see wellposed dispersion";
-            return Err(run.error_at(&path, format!("found {name}"), allowed));
+            return Err(run.key_error(&path, format!("found {name}"), allowed));
         };
         if strength.slip.hardening > 0.0 {
             let found = format!("found {:?}", strength.slip.hardening);
             let allowed = "0: the interlayer yield set does not harden";
-            return Err(run.error_at(&key("slip_hardening"), found, allowed));
+            return Err(run.key_error(&key("slip_hardening"), found, allowed));
         }
         let set = strength.to_yield_set(blocks.medium.period, options.opening_limit);
         set.map(Some).ok_or_else(|| {
             let allowed = "a friction above 0, or kind = \"breaking\" with a tensile_strength: \
                            without both the joints carry any couple, the yield set does not";
-            run.error_at(&key("shear_friction"), "found 0.0", allowed)
+            run.key_error(&key("shear_friction"), "found 0.0", allowed)
         })
     }
 }
@@ -165,7 +165,7 @@ fn to_constants(values: &[(&'static str, f64)]) -> ConstantValues {
     constants
 }
 
-/// The shear stress σ₁₂ or σ₂₁ with the indices exchanged; `None` for other components.
+/// Returns the shear stress σ₁₂ or σ₂₁ with exchanged indices; `None` for other components.
 fn transpose(component: StateComponent) -> Option<StateComponent> {
     match component.0 {
         SolidField::Stress(i, j) if i != j => Some(StateComponent(SolidField::Stress(j, i))),
@@ -173,8 +173,8 @@ fn transpose(component: StateComponent) -> Option<StateComponent> {
     }
 }
 
-/// Converts the sections of the simulation from a classical to a Cosserat solid. In classical solids σ₂₁ = σ₁₂: a load is
-/// one on the component that acts on the face, an initial state one of both.
+/// Converts the sections of the simulation from a classical to a Cosserat solid. In classical solids σ₂₁ = σ₁₂: a load
+/// is one on the component that acts on the face, an initial state one of both.
 fn convert_run(
     run: &SolidRun,
     blocks: &SquareBlocks,
@@ -203,7 +203,7 @@ fn convert_run(
                 let found = format!("found {}", term.name());
                 let allowed = "an initial state other than plane waves: these are waves of the \
                                material of the blocks, not of the medium; use a load or a pulse";
-                return Err(run.error_at(&format!("initial[{index}].kind"), found, allowed));
+                return Err(run.key_error(&format!("initial[{index}].kind"), found, allowed));
             }
             InitialStateTerm::Pulse { component, .. }
             | InitialStateTerm::Uniform { component, .. } => {
@@ -241,7 +241,7 @@ fn convert_run(
     Ok(own)
 }
 
-/// A classical load on a shear stress acts on the face: its second index becomes the normal of the face.
+/// Converts a load on a shear stress of a classical solid: the second index becomes the normal of the loaded face.
 fn convert_load(load: &mut FaceLoad) {
     if let SolidField::Stress(_, normal) = load.component.0
         && normal != load.face.axis
@@ -251,7 +251,7 @@ fn convert_load(load: &mut FaceLoad) {
     }
 }
 
-/// Comment at the head of the case file.
+/// Formats the comment at the head of the case file of the continuum.
 fn header(
     source: &Case,
     blocks: &SquareBlocks,

@@ -156,7 +156,7 @@ impl Case {
         self.material.kind.simulation_rotation().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
             let allowed = "use a flow model that determines the stress angle";
-            self.material.positions.error_at("model.kind", found, allowed)
+            self.material.positions.key_error("model.kind", found, allowed)
         })
     }
 
@@ -180,7 +180,7 @@ impl Case {
                 "background.velocity" => "leave it out: the box moves with the mean flow",
                 _ => "leave it out: simulated mean flows are uniform",
             };
-            return Err(self.material.positions.error_at(name, format!("found {value}"), allowed));
+            return Err(self.material.positions.key_error(name, format!("found {value}"), allowed));
         }
         let state = self.to_flow_state();
         let background = self
@@ -198,10 +198,11 @@ impl Case {
                     true => ("background.rotational_stress", r),
                     false => ("background.deviatoric_stress", q),
                 };
-                let place = if region == YieldRegion::OutsideYield { "outside" } else { "inside" };
-                let found = format!("found {value:?}, {place} yield");
+                let location =
+                    if region == YieldRegion::OutsideYield { "outside" } else { "inside" };
+                let found = format!("found {value:?}, {location} yield");
                 let allowed = "leave it out: simulated flows are at yield";
-                return Err(self.material.positions.error_at(key, found, allowed));
+                return Err(self.material.positions.key_error(key, found, allowed));
             }
         };
         let is_undecided = (2.0 * flow.rounded_noncoaxiality()).cos().sign().is_none();
@@ -209,7 +210,7 @@ impl Case {
             let found = format!("found |Δ| = {:?}°", flow.noncoaxiality.abs().to_degrees());
             let allowed =
                 "use another value: at the bound the spin does not determine the stress angle";
-            return Err(self.material.positions.error_at(
+            return Err(self.material.positions.key_error(
                 "background.noncoaxiality_deg",
                 found,
                 allowed,

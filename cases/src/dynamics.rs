@@ -11,6 +11,7 @@ mod component;
 mod grid;
 mod initial;
 mod joint;
+mod joint_checks;
 mod joint_keys;
 mod load;
 pub(crate) mod output;
@@ -34,7 +35,7 @@ pub use grid::{MAX_CELLS, SolidGrid};
 pub use initial::{InitialStateTerm, PulseCentre};
 pub use joint::{JointEntry, JointLaw, JointSelector, MAX_JOINTS};
 pub use load::{FaceLoad, LoadedArea};
-pub use output::{PlottedQuantity, RecordedQuantity, SolidOutput};
+pub use output::{FaceQuantity, PlottedQuantity, RecordedQuantity, SolidOutput};
 pub use plane_pulse::{BodyWaveType, PlanePulseInput};
 pub use profile::LoadProfile;
 pub use region::{MAX_REGIONS, MaterialRegion};
@@ -139,8 +140,8 @@ impl SolidRun {
         loads.chain(self.sources.iter().map(|source| &source.time_function)).chain(initial)
     }
 
-    /// Reads all time-domain sections in `root` except `[grid]`, for a case of material `material`; `material_of` reads
-    /// the material of a region, `folder` is the folder of the case file.
+    /// Reads all time-domain sections in `root` except `[grid]`, for a case of material `material`; `read_material`
+    /// reads the material of a region, `folder` is the folder of the case file.
     ///
     /// # Errors
     /// A key is unknown or missing, a value is invalid, or a sample file cannot be read.
@@ -148,7 +149,7 @@ impl SolidRun {
         root: &SectionReader,
         grid: SolidGrid,
         material: &Material,
-        material_of: impl Fn(&SectionReader) -> Result<Material, CaseError>,
+        read_material: impl Fn(&SectionReader) -> Result<Material, CaseError>,
         folder: &Path,
     ) -> Result<Self, CaseError> {
         let theory = match material.kind {
@@ -158,10 +159,15 @@ impl SolidRun {
         let components = StateComponent::all_components(theory, grid.dimensions());
         let reader =
             SolidReader { grid: &grid, theory, state_components: components, case_folder: folder };
-        let regions = reader.read_regions(root, &material_of)?;
-        let blocks = reader.read_blocky_medium(root, &material_of)?;
-        let sides = reader.read_boundary_conditions(root)?;
-        let periodic: Vec<BoundaryFace> = periodic_faces(&sides).map(|(_, side)| side).collect();
+        let regions = reader.read_regions(root, &read_material)?;
+        let blocks = reader.read_blocky_medium(root, &read_material)?;
+        let conditions = reader.read_boundary_conditions(root)?;
+        let periodic: Vec<BoundaryFace> =
+            periodic_faces(&conditions).map(|(_, face)| face).collect();
+        if let Some(blocks) = &blocks {
+            let is_periodic = [0, 1].map(|axis| periodic.iter().any(|face| face.axis == axis));
+            blocks.check_layer_ends(is_periodic)?;
+        }
         let (loads, sources) = (reader.read_loads(root, &periodic)?, reader.read_sources(root)?);
         let of_regions = regions.iter().map(|region| &region.material);
         let of_blocks = blocks.iter().flat_map(|blocks| &blocks.materials);
@@ -170,7 +176,7 @@ impl SolidRun {
             None => material.yield_set.is_some(),
             Some(_) => own.any(|material| material.yield_set.is_some()),
         };
-        let output = reader.read_output(root, yields)?;
+        let output = reader.read_output(root, yields, blocks.as_ref())?;
         let time = SolidTime::read(root)?;
         let has_joints = blocks.as_ref().is_some_and(Blocks::has_joints);
         Ok(Self {
@@ -178,7 +184,7 @@ impl SolidRun {
             time,
             blocks,
             regions,
-            boundary_conditions: sides,
+            boundary_conditions: conditions,
             loads,
             sources,
             initial_terms: reader.read_initial_terms(root)?,
@@ -211,13 +217,13 @@ impl SolidRun {
     }
 
     /// Returns an error at a key of these sections, e.g. `load[0].amplitude`; list indices are counted from 0.
-    pub fn error_at(
+    pub fn key_error(
         &self,
         path: &str,
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        self.positions.error_at(path, found, allowed)
+        self.positions.key_error(path, found, allowed)
     }
     /// Computes the region index of each cell, an index into [`regions`](Self::regions) or in a blocky medium into
     /// [`Blocks::materials`], with the first axis fastest; 0 in all cells without regions and blocks. A cell belongs to
@@ -234,7 +240,11 @@ impl SolidRun {
         let mut media = Vec::new();
         if media.try_reserve_exact(count).is_err() {
             let found = format!("no memory for {count} cells");
-            return Err(self.positions.error_at("grid.cells", found, "reduce the number of cells"));
+            return Err(self.positions.key_error(
+                "grid.cells",
+                found,
+                "reduce the number of cells",
+            ));
         }
         if self.regions.is_empty() {
             media.resize(count, 0);
@@ -248,7 +258,7 @@ impl SolidRun {
         for _ in 0..count {
             let medium = self.find_region(&centre)?.or(rest);
             let Some(medium) = medium else {
-                return Err(self.positions.error_at(
+                return Err(self.positions.key_error(
                     "region",
                     format!("no region contains the cell at {centre:?}"),
                     "add [[region]] with shape = \"rest\", or make the regions larger",
@@ -265,7 +275,7 @@ impl SolidRun {
             }
         }
         match is_used.iter().position(|is_used| !is_used) {
-            Some(unused) => Err(self.positions.error_at(
+            Some(unused) => Err(self.positions.key_error(
                 &format!("region[{unused}]"),
                 "contains no cell centre",
                 "make it larger than a cell, move it into the grid, or remove it",
@@ -282,10 +292,10 @@ impl SolidRun {
         let first = holders.next();
         match (first, holders.next()) {
             (Some(first), Some(second)) => {
-                let place = self.positions.locate(&format!("region[{first}]"));
-                let found = format!("overlaps region[{first}] ({place}) in the cell at {x:?}");
+                let position = self.positions.locate(&format!("region[{first}]"));
+                let found = format!("overlaps region[{first}] ({position}) in the cell at {x:?}");
                 let allowed = "regions must not overlap: move or shrink one of the two";
-                Err(self.positions.error_at(&format!("region[{second}]"), found, allowed))
+                Err(self.positions.key_error(&format!("region[{second}]"), found, allowed))
             }
             _ => Ok(first),
         }

@@ -18,7 +18,7 @@ const MAX_TABLES: usize = 100_000;
 /// Maximum number of keys, estimated by the number of `=` in the text.
 const MAX_KEYS: usize = 500_000;
 
-/// Parsed values of a case by key, before their interpretation.
+/// Values of a case by key, parsed but not yet interpreted.
 pub(super) struct CaseEntries<'a> {
     scalar_values: BTreeMap<&'static str, CaseValue>,
     /// Content of the structured sections: time-domain sections and `[check]`.
@@ -30,20 +30,20 @@ pub(super) struct CaseEntries<'a> {
 }
 
 impl<'a> CaseEntries<'a> {
-    /// Parses the text of a case file, then applies the `--set` options; of several options for one key the last one
-    /// applies.
+    /// Parses the text of a case file, then applies the `--set` options `options`; of several options for one key the
+    /// last one applies.
     pub(super) fn parse(
         text: &'a str,
         file: &str,
-        sets: &'a [String],
-        forms: &'static CaseSchemas,
+        options: &'a [String],
+        schemas: &'static CaseSchemas,
     ) -> Result<Self, CaseError> {
         check_entry_counts(text, file)?;
         let document = DeTable::parse(text).map_err(|error| {
             let line = build_line_index(text)(error.span().map_or(0, |span| span.start));
             let content = text.lines().nth(line - 1).unwrap_or_default().trim();
             CaseError::Syntax {
-                place: SourcePosition::Line { file: file.to_owned(), line },
+                position: SourcePosition::Line { file: file.to_owned(), line },
                 cause: format!("{} in '{}'", escape(error.message()), escape(content)),
             }
         })?;
@@ -52,63 +52,58 @@ impl<'a> CaseEntries<'a> {
         collect_entries("", document.get_ref(), &mut found);
         found.sort_by_key(|entry| entry.offset);
         let line = build_line_index(text);
-        let hints = rename_former_sections(&mut found, forms, |offset| SourcePosition::Line {
+        let hints = rename_former_sections(&mut found, schemas, |offset| SourcePosition::Line {
             file: file.to_owned(),
             line: line(offset),
         })?;
 
-        let mut places = KeyPositions::new(file);
-        let mut structured = NodeTable::default();
-        let mut parts: Vec<(String, usize)> = Vec::new();
+        let mut positions = KeyPositions::new(file);
+        let mut structured_sections = NodeTable::default();
+        let mut key_offsets: Vec<(String, usize)> = Vec::new();
         for entry in &found {
-            parts.push((entry.name.clone(), entry.offset));
-            if forms.has_section(&entry.name) {
+            key_offsets.push((entry.name.clone(), entry.offset));
+            if schemas.has_section(&entry.name) {
                 let node = Node::from_toml(entry.value, &entry.name, &mut |name, offset| {
-                    parts.push((name, offset));
+                    key_offsets.push((name, offset));
                 });
-                structured.insert(&entry.name, node);
+                structured_sections.insert(&entry.name, node);
             }
         }
-        for (name, offset) in parts {
-            places.add_line(name, line(offset));
+        for (name, offset) in key_offsets {
+            positions.add_line(name, line(offset));
         }
-        let mut entries = Self {
-            scalar_values: BTreeMap::new(),
-            structured_sections: structured,
-            schemas: forms,
-            positions: places,
-            hints,
-        };
+        let mut entries =
+            Self { scalar_values: BTreeMap::new(), structured_sections, schemas, positions, hints };
         entries.rename_former_keys()?;
         let mut unknown = None;
         for DocumentEntry { name, value, .. } in &found {
             match Key::find_by_name(name) {
                 Some(key) => entries.insert(key, value)?,
-                None if forms.has_section(name) => {}
+                None if schemas.has_section(name) => {}
                 None if !is_section(name) => {
                     unknown.get_or_insert_with(|| (name.clone(), entries.positions.locate(name)));
                 }
                 None if value.as_table().is_none() => {
                     let allowed = format!("expected a section [{name}]");
-                    return Err(entries.positions.error_at(name, describe_value(value), allowed));
+                    return Err(entries.positions.key_error(name, describe_value(value), allowed));
                 }
                 None => {}
             }
         }
-        for set in sets {
-            let name = entries.apply_option(set)?;
-            unknown = unknown.or(name.map(|name| (name, SourcePosition::Option(set.clone()))));
+        for option in options {
+            let name = entries.apply_option(option)?;
+            unknown = unknown.or(name.map(|name| (name, SourcePosition::Option(option.clone()))));
         }
-        // Reported last: the allowed keys depend on the kind of model.
+        // An unknown key is reported after all other errors, since the allowed keys depend on the kind of model.
         match unknown {
-            Some((name, place)) => Err(entries.unknown_key_error(&name, &name, place)),
+            Some((name, position)) => Err(entries.unknown_key_error(&name, &name, position)),
             None => Ok(entries),
         }
     }
 
     fn insert(&mut self, key: &'static Key, value: &DeValue) -> Result<(), CaseError> {
         let read = parse_key_value(key, value).ok_or_else(|| {
-            self.positions.error_at(
+            self.positions.key_error(
                 key.name,
                 format!("found {}", describe_value(value)),
                 describe_allowed_values(key),
@@ -121,8 +116,8 @@ impl<'a> CaseEntries<'a> {
     /// Applies an option `--set key=value`; returns the key if it is unknown.
     fn apply_option(&mut self, set: &'a str) -> Result<Option<String>, CaseError> {
         let refused = |key: &str, found: &str, allowed: String| {
-            let (place, key) = (SourcePosition::Option(set.to_owned()), escape(key));
-            Err(CaseError::Key { place, key, found: found.to_owned(), allowed })
+            let (position, key) = (SourcePosition::Option(set.to_owned()), escape(key));
+            Err(CaseError::Key { position, key, found: found.to_owned(), allowed })
         };
         let Some((name, text)) = set.split_once('=') else {
             return refused(set, "no '='", "write --set section.key=value".into());
@@ -169,8 +164,8 @@ impl<'a> CaseEntries<'a> {
         let node = Node::from_toml(&value, name, &mut |_, _| {});
         let key = self.structured_sections.insert_at_key(name, node).map_err(
             |OptionError { key, found, allowed }| {
-                let (place, key) = (SourcePosition::Option(set.to_owned()), escape(&key));
-                CaseError::Key { place, key, found, allowed }
+                let (position, key) = (SourcePosition::Option(set.to_owned()), escape(&key));
+                CaseError::Key { position, key, found, allowed }
             },
         )?;
         self.positions.remove_key(&key);
@@ -194,12 +189,12 @@ impl<'a> CaseEntries<'a> {
         &self,
         region: &SectionReader,
     ) -> Result<CaseEntries<'static>, CaseError> {
-        let (structured, places) = (NodeTable::default(), self.positions.clone());
+        let (structured_sections, positions) = (NodeTable::default(), self.positions.clone());
         let mut own = CaseEntries {
             scalar_values: BTreeMap::new(),
-            structured_sections: structured,
+            structured_sections,
             schemas: self.schemas,
-            positions: places,
+            positions,
             hints: HintList::default(),
         };
         let mut given = Vec::new();
@@ -233,7 +228,7 @@ impl<'a> CaseEntries<'a> {
                 let Some(value) = node.as_value().and_then(|value| parse_key_value(key, value))
                 else {
                     let found = format!("found {}", node.describe());
-                    return Err(own.positions.error_at(
+                    return Err(own.positions.key_error(
                         key.name,
                         found,
                         describe_allowed_values(key),
@@ -258,13 +253,13 @@ impl<'a> CaseEntries<'a> {
 
     /// Removes the inherited values that the medium of a region does not use.
     pub(super) fn remove_unused_inherited(&mut self, is_used: impl Fn(&str) -> bool) {
-        let places = &self.positions;
-        self.scalar_values.retain(|key, _| places.has_alias(key) || is_used(key));
+        let positions = &self.positions;
+        self.scalar_values.retain(|key, _| positions.has_alias(key) || is_used(key));
     }
 
-    /// Builds the error of an unknown key, with a suggestion and the allowed keys; `shown_as` is the key printed in the
-    /// message.
-    fn unknown_key_error(&self, name: &str, shown_as: &str, place: SourcePosition) -> CaseError {
+    /// Builds the error of an unknown key `name`, with a suggestion and the allowed keys; `shown_as` is the key as
+    /// printed in the message.
+    fn unknown_key_error(&self, name: &str, shown_as: &str, position: SourcePosition) -> CaseError {
         let text = |key: &str| self.value(key).and_then(CaseValue::as_text);
         let kind = text("model.kind").and_then(ModelKind::from_name);
         let yields = text("yield.kind").and_then(registry::find_yield_set);
@@ -280,14 +275,14 @@ impl<'a> CaseEntries<'a> {
             siblings.push(self.schemas.check.header());
             let in_time =
                 kind.map_or_else(|| self.schemas.solids.to_vec(), self.schemas.simulation);
-            siblings.extend(in_time.iter().map(|form| form.header()));
+            siblings.extend(in_time.iter().map(|table_schema| table_schema.header()));
         }
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
         // Suggest the key of the same name in another section, else the most similar name in this section.
         let misplaced = keys().iter().find(|key| is_usable(key) && key.split_section().1 == last);
         let meant = misplaced.map(|key| key.name).or_else(|| find_similar_name(last, bare));
         let allowed = format!("{}allowed here: {}", format_suggestion(meant), siblings.join(", "));
-        CaseError::Key { place, key: escape(shown_as), found: "unknown key".into(), allowed }
+        CaseError::Key { position, key: escape(shown_as), found: "unknown key".into(), allowed }
     }
 
     /// Returns the value of a key, if given.
@@ -322,7 +317,7 @@ impl<'a> CaseEntries<'a> {
                     ),
                 }
             });
-            self.positions.error_at(key, "missing", allowed)
+            self.positions.key_error(key, "missing", allowed)
         })
     }
 
@@ -347,8 +342,8 @@ impl<'a> CaseEntries<'a> {
 /// Describes the allowed values of a key, for messages.
 pub(super) fn describe_allowed_values(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
-    let words = key.storage.value_type().describe(&SchemaScope::default());
-    format!("expected {words}{unit} ({})", key.meaning)
+    let expected = key.storage.value_type().describe(&SchemaScope::default());
+    format!("expected {expected}{unit} ({})", key.meaning)
 }
 
 /// Checks the number of keys and tables before parsing: each takes over a kilobyte in the parser.
@@ -374,6 +369,7 @@ fn build_line_index(text: &str) -> impl Fn(usize) -> usize {
     move |offset| 1 + ends.partition_point(|&end| end < offset)
 }
 
+/// A value of the parsed document with its dotted name and its byte offset in the text.
 struct DocumentEntry<'d, 'a> {
     name: String,
     value: &'d DeValue<'a>,
@@ -408,10 +404,10 @@ fn rename_former_sections(
     let mut hints = HintList::default();
     for index in 0..found.len() {
         let DocumentEntry { name, offset, .. } = &found[index];
-        let Some(form) = schemas.find_by_former_name(name) else { continue };
-        let has_current_name = found.iter().any(|entry| entry.name == form.name);
-        hints.add_section_of_file(locate(*offset), form, name, has_current_name)?;
-        form.name.clone_into(&mut found[index].name);
+        let Some(table_schema) = schemas.find_by_former_name(name) else { continue };
+        let has_current_name = found.iter().any(|entry| entry.name == table_schema.name);
+        hints.add_section_of_file(locate(*offset), table_schema, name, has_current_name)?;
+        table_schema.name.clone_into(&mut found[index].name);
     }
     Ok(hints)
 }
@@ -447,12 +443,12 @@ fn parse_key_value(key: &Key, value: &DeValue) -> Option<CaseValue> {
 pub(super) fn find_model_kind(
     name: &str,
     key: &str,
-    places: &KeyPositions,
+    positions: &KeyPositions,
 ) -> Result<ModelKind, CaseError> {
     ModelKind::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = ModelKind::all_kinds().into_iter().map(ModelKind::name).collect();
         let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
         let found = format!("found '{}'", escape(name));
-        places.error_at(key, found, format!("{meant}allowed: {}", names.join(", ")))
+        positions.key_error(key, found, format!("{meant}allowed: {}", names.join(", ")))
     })
 }

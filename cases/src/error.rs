@@ -40,18 +40,18 @@ pub enum CaseError {
         cause: String,
     },
     /// The text is not TOML or not UTF-8.
-    #[error("{place}: {cause}; write 'key = value' or '[section]', each key once")]
+    #[error("{position}: {cause}; write 'key = value' or '[section]', each key once")]
     Syntax {
         /// Position of the error.
-        place: SourcePosition,
+        position: SourcePosition,
         /// Message of the parser with the text of the line, or a note that a byte is not UTF-8.
         cause: String,
     },
     /// A key is unknown, missing or unused, or has an invalid value.
-    #[error("{place}: {key}: {found}; {allowed}")]
+    #[error("{position}: {key}: {found}; {allowed}")]
     Key {
         /// Position of the key.
-        place: SourcePosition,
+        position: SourcePosition,
         /// Key with its section, or the text of an option without a valid key.
         key: String,
         /// Description of the fault: the invalid value found, or that the key is unknown, missing or unused.

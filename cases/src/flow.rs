@@ -118,12 +118,12 @@ impl FlowRun {
     }
 
     /// Returns an error at a key of these sections, e.g. `initial[0].amplitude`; list indices are counted from 0.
-    pub fn error_at(
+    pub fn key_error(
         &self,
         path: &str,
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        self.positions.error_at(path, found, allowed)
+        self.positions.key_error(path, found, allowed)
     }
 }

@@ -9,7 +9,7 @@ use std::fmt::{Display, Formatter};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseHint {
     /// Position of the first use.
-    pub place: SourcePosition,
+    pub position: SourcePosition,
     /// Former name, as found; sections with brackets.
     pub former_name: String,
     /// Current name.
@@ -18,10 +18,10 @@ pub struct CaseHint {
 
 impl Display for CaseHint {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
-        let Self { place, former_name, current_name } = self;
+        let Self { position, former_name, current_name } = self;
         write!(
             formatter,
-            "{place}: {former_name} is now {current_name}; the old name is read for one more version"
+            "{position}: {former_name} is now {current_name}; the old name is read for one more version"
         )
     }
 }
@@ -31,14 +31,19 @@ impl Display for CaseHint {
 pub(super) struct HintList(pub(super) Vec<CaseHint>);
 
 impl HintList {
-    fn add(&mut self, place: SourcePosition, former_name: String, current_name: String) {
+    fn add(&mut self, position: SourcePosition, former_name: String, current_name: String) {
         if self.0.iter().all(|hint| hint.former_name != former_name) {
-            self.0.push(CaseHint { place, former_name, current_name });
+            self.0.push(CaseHint { position, former_name, current_name });
         }
     }
 
-    fn add_section(&mut self, place: SourcePosition, form: &TableSchema, former_name: &str) {
-        self.add(place, form.layout.format_header(former_name), form.header());
+    fn add_section(
+        &mut self,
+        position: SourcePosition,
+        table_schema: &TableSchema,
+        former_name: &str,
+    ) {
+        self.add(position, table_schema.layout.format_header(former_name), table_schema.header());
     }
 
     /// Adds the hint of a section of the file with a former name.
@@ -47,21 +52,22 @@ impl HintList {
     /// The file also has the section with its current name.
     pub(super) fn add_section_of_file(
         &mut self,
-        place: SourcePosition,
-        form: &TableSchema,
+        position: SourcePosition,
+        table_schema: &TableSchema,
         former_name: &str,
         has_current_name: bool,
     ) -> Result<(), CaseError> {
         if has_current_name {
-            let [former, current] = [form.layout.format_header(former_name), form.header()];
+            let [former, current] =
+                [table_schema.layout.format_header(former_name), table_schema.header()];
             return Err(CaseError::Key {
-                place,
+                position,
                 key: former_name.to_owned(),
                 found: format!("found {former} and {current}"),
                 allowed: format!("write {current} alone; {former} is its former name"),
             });
         }
-        self.add_section(place, form, former_name);
+        self.add_section(position, table_schema, former_name);
         Ok(())
     }
 
@@ -72,23 +78,25 @@ impl HintList {
         schemas: &CaseSchemas,
         option: &str,
     ) -> String {
-        let place = || SourcePosition::Option(option.to_owned());
+        let position = || SourcePosition::Option(option.to_owned());
         let (section, rest) = key.split_at(key.find(['.', '[']).unwrap_or(key.len()));
         let former = schemas.find_by_former_name(section);
-        if let Some(form) = former {
-            self.add_section(place(), form, section);
+        if let Some(table_schema) = former {
+            self.add_section(position(), table_schema, section);
         }
-        let Some(form) = former.or_else(|| schemas.all().find(|form| form.name == section)) else {
+        let Some(table_schema) =
+            former.or_else(|| schemas.all().find(|table_schema| table_schema.name == section))
+        else {
             return key.to_owned();
         };
         let (index, name) = rest.split_once('.').unwrap_or((rest, ""));
-        let renamed = form.renamed_keys().find(|(former_name, _)| *former_name == name);
+        let renamed = table_schema.renamed_keys().find(|(former_name, _)| *former_name == name);
         match renamed {
             Some((former_name, current_name)) => {
-                self.add(place(), former_name.to_owned(), current_name.to_owned());
-                format!("{}{index}.{current_name}", form.name)
+                self.add(position(), former_name.to_owned(), current_name.to_owned());
+                format!("{}{index}.{current_name}", table_schema.name)
             }
-            None => format!("{}{rest}", form.name),
+            None => format!("{}{rest}", table_schema.name),
         }
     }
 }
@@ -99,9 +107,9 @@ impl CaseEntries<'_> {
     /// # Errors
     /// A table has a key with both names.
     pub(super) fn rename_former_keys(&mut self) -> Result<(), CaseError> {
-        for form in self.schemas.all() {
-            for (former_name, current_name) in form.renamed_keys() {
-                self.rename_key(form, former_name, current_name)?;
+        for table_schema in self.schemas.all() {
+            for (former_name, current_name) in table_schema.renamed_keys() {
+                self.rename_key(table_schema, former_name, current_name)?;
             }
         }
         Ok(())
@@ -109,12 +117,12 @@ impl CaseEntries<'_> {
 
     fn rename_key(
         &mut self,
-        form: &TableSchema,
+        table_schema: &TableSchema,
         former_name: &str,
         current_name: &str,
     ) -> Result<(), CaseError> {
         let Self { structured_sections, positions, hints, .. } = self;
-        for (path, table) in structured_sections.tables_of_section(form.name) {
+        for (path, table) in structured_sections.tables_of_section(table_schema.name) {
             let [former, current] =
                 [former_name, current_name].map(|name| format!("{path}.{name}"));
             if table.node(former_name).is_none() {
@@ -124,7 +132,7 @@ impl CaseEntries<'_> {
                 let found = format!("found {former_name} and {current_name}");
                 let allowed =
                     format!("write {current_name} alone; {former_name} is its former name");
-                return Err(positions.error_at(&former, found, allowed));
+                return Err(positions.key_error(&former, found, allowed));
             }
             table.rename(former_name, current_name);
             hints.add(positions.locate(&former), former_name.to_owned(), current_name.to_owned());

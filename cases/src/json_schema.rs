@@ -95,11 +95,11 @@ struct ConditionalSchemas(Vec<(Value, Map<String, Value>)>);
 impl ConditionalSchemas {
     /// Returns the requirements under a condition, created if absent.
     fn requirements_under(&mut self, condition: Value) -> &mut Map<String, Value> {
-        let place = self.0.iter().position(|(own, _)| *own == condition).unwrap_or_else(|| {
+        let index = self.0.iter().position(|(own, _)| *own == condition).unwrap_or_else(|| {
             self.0.push((condition, Map::new()));
             self.0.len() - 1
         });
-        &mut self.0[place].1
+        &mut self.0[index].1
     }
 
     fn into_if_then_list(self) -> Vec<Value> {
@@ -133,10 +133,10 @@ fn build_object_schema(properties: Map<String, Value>, required: Vec<&str>) -> V
     schema
 }
 
-/// Builds the condition that a key of a section has one of the values `words`.
-fn build_value_condition(section: &str, key: &str, words: &[&str]) -> Value {
+/// Builds the condition that a key of a section has one of the values `names`.
+fn build_value_condition(section: &str, key: &str, names: &[&str]) -> Value {
     json!({
-        "properties": { section: { "properties": { key: { "enum": words } }, "required": [key] } },
+        "properties": { section: { "properties": { key: { "enum": names } }, "required": [key] } },
         "required": [section],
     })
 }
@@ -257,10 +257,10 @@ fn build_key_schema(key: &Key) -> Value {
         }
         _ => {}
     }
-    if let Some(words) = key.allowed_names() {
+    if let Some(names) = key.allowed_names() {
         match schema.get_mut("items") {
-            Some(items) => *items = json!({ "enum": words }),
-            None => schema = json!({ "enum": words }),
+            Some(items) => *items = json!({ "enum": names }),
+            None => schema = json!({ "enum": names }),
         }
     }
     schema["title"] = json!(key.label);
@@ -287,7 +287,7 @@ fn add_simulation_sections(
     definitions: &mut Map<String, Value>,
 ) {
     for kind in kinds {
-        let forms = simulation_schemas(*kind);
+        let table_schemas = simulation_schemas(*kind);
         let own = build_value_condition("model", "kind", &[kind.name()]);
         for dimensions in if let ModelKind::Solid(_) = kind { 2..=3 } else { 2..=2 } {
             let then = branches.requirements_under(match kind {
@@ -297,28 +297,31 @@ fn add_simulation_sections(
                 ModelKind::Flow(_) => own.clone(),
             });
             let scope = SchemaScope { dimensions: Some(dimensions), ..SchemaScope::default() };
-            for form in &forms {
-                let own = format!("{name}.{}d.{}", dimensions, form.name);
+            for table_schema in &table_schemas {
+                let own = format!("{name}.{}d.{}", dimensions, table_schema.name);
                 let reference = json!({ "$ref": format!("#/$defs/{own}") });
                 let sections = object_entry(then, "properties");
-                if let Some(name) = form.former_name {
+                if let Some(name) = table_schema.former_name {
                     let mut deprecated = reference.clone();
                     deprecated["deprecated"] = json!(true);
                     sections.insert(name.to_owned(), deprecated);
                 }
-                sections.insert(form.name.to_owned(), reference);
-                definitions.entry(own).or_insert_with(|| build_table_schema(form, &scope));
+                sections.insert(table_schema.name.to_owned(), reference);
+                definitions.entry(own).or_insert_with(|| build_table_schema(table_schema, &scope));
             }
         }
         let then = branches.requirements_under(own);
-        for form in &forms {
-            let others =
-                || forms.iter().filter(|other| other.is_required && other.name != form.name);
+        for table_schema in &table_schemas {
+            let others = || {
+                table_schemas
+                    .iter()
+                    .filter(|other| other.is_required && other.name != table_schema.name)
+            };
             let needed: Vec<&str> = others()
                 .filter(|other| other.alternative.is_none())
                 .map(|other| other.name)
                 .collect();
-            for name in [form.name].into_iter().chain(form.former_name) {
+            for name in [table_schema.name].into_iter().chain(table_schema.former_name) {
                 properties.entry(name).or_insert_with(|| json!({}));
                 object_entry(then, "dependentRequired").insert(name.to_owned(), json!(needed));
                 let dependent = object_entry(object_entry(then, "dependentSchemas"), name);
@@ -329,14 +332,14 @@ fn add_simulation_sections(
                     dependent.insert("oneOf".into(), either);
                 }
             }
-            if let Some(name) = form.former_name {
+            if let Some(name) = table_schema.former_name {
                 // The section has one of both names.
-                let own = object_entry(object_entry(then, "dependentSchemas"), form.name);
+                let own = object_entry(object_entry(then, "dependentSchemas"), table_schema.name);
                 object_entry(own, "properties").insert(name.to_owned(), json!(false));
             }
-            if form.name == "joint" || form.name == "region" {
-                let own = object_entry(object_entry(then, "dependentSchemas"), form.name);
-                match form.name {
+            if table_schema.name == "joint" || table_schema.name == "region" {
+                let own = object_entry(object_entry(then, "dependentSchemas"), table_schema.name);
+                match table_schema.name {
                     "joint" => own.insert("required".into(), json!(["block"])),
                     _ => object_entry(own, "properties").insert("block".to_owned(), json!(false)),
                 };
@@ -345,16 +348,16 @@ fn add_simulation_sections(
     }
     // Refuse the sections that only other kinds of model have.
     let all = ModelKind::all_kinds();
-    for form in all.iter().flat_map(|kind| simulation_schemas(*kind)) {
+    for table_schema in all.iter().flat_map(|kind| simulation_schemas(*kind)) {
         for kind in kinds {
-            if simulation_schemas(*kind).iter().all(|own| own.name != form.name) {
+            if simulation_schemas(*kind).iter().all(|own| own.name != table_schema.name) {
                 let then = branches.requirements_under(build_value_condition(
                     "model",
                     "kind",
                     &[kind.name()],
                 ));
                 let sections = object_entry(then, "properties");
-                for name in [form.name].into_iter().chain(form.former_name) {
+                for name in [table_schema.name].into_iter().chain(table_schema.former_name) {
                     sections.insert(name.to_owned(), json!(false));
                 }
             }
@@ -376,15 +379,15 @@ fn build_dimension_condition(dimensions: usize) -> Value {
 }
 
 /// Builds the schema of a table or of a list of tables.
-fn build_table_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value {
-    let mut schema = match form.groups {
+fn build_table_schema(table_schema: &'static TableSchema, scope: &SchemaScope) -> Value {
+    let mut schema = match table_schema.groups {
         [] => build_stress_schema(),
-        _ => build_keys_schema(form, scope),
+        _ => build_keys_schema(table_schema, scope),
     };
-    schema["description"] = json!(form.meaning);
-    match form.layout {
+    schema["description"] = json!(table_schema.meaning);
+    match table_schema.layout {
         TableLayout::List => {
-            json!({ "type": "array", "items": schema, "minItems": usize::from(form.is_required) })
+            json!({ "type": "array", "items": schema, "minItems": usize::from(table_schema.is_required) })
         }
         TableLayout::Section | TableLayout::InlineTable => schema,
     }
@@ -399,13 +402,13 @@ fn build_stress_schema() -> Value {
     build_object_schema(stresses.collect(), Vec::new())
 }
 
-fn build_keys_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value {
+fn build_keys_schema(table_schema: &'static TableSchema, scope: &SchemaScope) -> Value {
     let mut properties = Map::new();
     let mut required = Vec::new();
     let mut branches = ConditionalSchemas::default();
     // Conditions under which each key is allowed.
     let mut allowed: Vec<(&str, Vec<Value>)> = Vec::new();
-    for (when, item) in form.keys() {
+    for (when, item) in table_schema.keys() {
         let is_elsewhere =
             |own: &&KeyCondition| evaluate_dimension_condition(own, scope) == Some(false);
         if when.iter().chain(item.conditions).any(|own| is_elsewhere(&own)) {
@@ -449,7 +452,7 @@ fn build_keys_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value {
     }
     for (name, conditions) in allowed {
         let then = branches.requirements_under(json!({ "not": { "anyOf": conditions } }));
-        let renamed = form.renamed_keys().filter(|(_, current_name)| *current_name == name);
+        let renamed = table_schema.renamed_keys().filter(|(_, current_name)| *current_name == name);
         for name in renamed.map(|(former_name, _)| former_name).chain([name]) {
             object_entry(then, "properties").insert(name.to_owned(), json!(false));
         }
@@ -503,8 +506,8 @@ fn evaluate_dimension_condition(condition: &KeyCondition, scope: &SchemaScope) -
 
 fn build_key_condition(condition: &KeyCondition) -> Option<Value> {
     match condition {
-        KeyCondition::HasValue(key, words) => Some(json!({
-            "properties": { *key: { "enum": words } },
+        KeyCondition::HasValue(key, names) => Some(json!({
+            "properties": { *key: { "enum": names } },
             "required": [key],
         })),
         KeyCondition::Present(key) => Some(json!({ "required": [key] })),
@@ -555,9 +558,9 @@ fn build_section_schema(section: &str) -> Value {
     for key in own {
         let mut schema = build_key_schema(key);
         if key.name == "yield.kind"
-            && let Some(words) = schema.get_mut("enum").and_then(Value::as_array_mut)
+            && let Some(names) = schema.get_mut("enum").and_then(Value::as_array_mut)
         {
-            words.push(json!(NO_YIELD_NAME));
+            names.push(json!(NO_YIELD_NAME));
         }
         properties.insert(key.split_section().1.to_owned(), schema);
     }

@@ -20,7 +20,7 @@ impl PartialEq for KeyPositions {
     }
 }
 
-/// Line numbers and options by key.
+/// Line numbers in the case file and texts of options, by key.
 #[derive(Clone, Debug)]
 struct PositionTable {
     file: String,
@@ -126,14 +126,14 @@ impl KeyPositions {
     }
 
     /// Returns an error at a key.
-    pub(super) fn error_at(
+    pub(super) fn key_error(
         &self,
         key: &str,
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
         CaseError::Key {
-            place: self.locate(key),
+            position: self.locate(key),
             key: escape(self.resolve_alias(key)),
             found: found.into(),
             allowed: allowed.into(),

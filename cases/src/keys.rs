@@ -15,7 +15,7 @@ pub use table::keys;
 use super::kind::ModelKind;
 use super::numbers::CaseNumbers;
 use super::value::CaseValue;
-use models::common::parameter::Parameter as Constant;
+use models::common::parameter::Parameter;
 use models::registry;
 
 impl Key {
@@ -97,7 +97,7 @@ impl SweepParameter {
 
     /// Returns the constant of the model `kind` set by this parameter, with its index in the registry entry; `None` if
     /// the parameter is not a constant of the model.
-    pub fn model_constant(self, kind: ModelKind) -> Option<(usize, &'static Constant)> {
+    pub fn model_constant(self, kind: ModelKind) -> Option<(usize, &'static Parameter)> {
         let KeyStorage::ModelConstant(name) = self.key.storage else { return None };
         let constants = match kind {
             ModelKind::Flow(flow) => flow.parameters(),

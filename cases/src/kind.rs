@@ -1,9 +1,9 @@
 //! Kinds of model and media of a case.
 
-use models::flow::{FlowKind as Flow, RotationKind};
+use models::flow::{FlowKind, RotationKind};
 use models::registry;
-pub use models::solid::SolidKind as Solid;
-pub use models::yield_set::YieldSetKind as Yield;
+pub use models::solid::SolidKind;
+pub use models::yield_set::YieldSetKind;
 
 /// Name in case files of the absent yield set, for a region that stays elastic.
 pub(crate) const NO_YIELD_NAME: &str = "none";
@@ -12,9 +12,9 @@ pub(crate) const NO_YIELD_NAME: &str = "none";
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModelKind {
     /// A flow of granular material.
-    Flow(Flow),
+    Flow(FlowKind),
     /// An elastic or elastoplastic solid.
-    Solid(Solid),
+    Solid(SolidKind),
 }
 
 /// A medium: kind of model and yield set, which determine the keys of a case.
@@ -23,7 +23,7 @@ pub struct MediumKind {
     /// Kind of model.
     pub kind: ModelKind,
     /// Yield set; `None` in flows and elastic solids.
-    pub yield_set: Option<Yield>,
+    pub yield_set: Option<YieldSetKind>,
 }
 
 impl MediumKind {
@@ -39,7 +39,7 @@ impl MediumKind {
     ///
     /// # Errors
     /// The kind of model does not admit the yield set.
-    pub fn new(kind: ModelKind, yields: Option<Yield>) -> Result<Self, YieldSetError> {
+    pub fn new(kind: ModelKind, yields: Option<YieldSetKind>) -> Result<Self, YieldSetError> {
         match yields.filter(|set| !kind.admissible_yield_sets().contains(set)) {
             Some(set) => Err(YieldSetError { kind, set }),
             None => Ok(Self { kind, yield_set: yields }),
@@ -78,7 +78,7 @@ pub struct YieldSetError {
     /// Kind of model.
     pub kind: ModelKind,
     /// Yield set.
-    pub set: Yield,
+    pub set: YieldSetKind,
 }
 
 impl From<ModelKind> for MediumKind {
@@ -89,7 +89,7 @@ impl From<ModelKind> for MediumKind {
 
 impl ModelKind {
     /// Returns the yield sets admitted by the kind of model.
-    pub fn admissible_yield_sets(self) -> Vec<Yield> {
+    pub fn admissible_yield_sets(self) -> Vec<YieldSetKind> {
         match self {
             Self::Flow(_) => Vec::new(),
             Self::Solid(solid) => {

@@ -53,7 +53,7 @@ pub use flow::FlowRun;
 pub use former_names::CaseHint;
 pub use json_schema::generate_json_schema;
 pub use keys::{Key, Presence, SweepParameter, keys};
-pub use kind::{MediumKind, ModelKind, Solid, Yield, YieldSetError, join_names};
+pub use kind::{MediumKind, ModelKind, SolidKind, YieldSetError, YieldSetKind, join_names};
 pub use map::{MAX_MAP_POINTS, MapAxes, ParameterSweep};
 pub use material::Material;
 pub use numbers::{BackgroundNumbers, CaseNumbers, ConstantValues, StressNumbers, WaveNumbers};

@@ -85,7 +85,7 @@ impl MapAxes {
             ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"],
         )?;
         if x.parameter == y.parameter {
-            return Err(entries.positions.error_at(
+            return Err(entries.positions.key_error(
                 "map.y.parameter",
                 format!("found {} on both axes", y.parameter.name()),
                 "sweep two different parameters",
@@ -94,7 +94,7 @@ impl MapAxes {
         if x.point_count.checked_mul(y.point_count).is_none_or(|points| points > MAX_MAP_POINTS) {
             let larger =
                 if x.point_count > y.point_count { "map.x.points" } else { "map.y.points" };
-            return Err(entries.positions.error_at(
+            return Err(entries.positions.key_error(
                 larger,
                 format!("a grid of {} × {} points", x.point_count, y.point_count),
                 format!("expected at most {MAX_MAP_POINTS} points in total"),
@@ -109,14 +109,14 @@ impl MapAxes {
             let found = format!("a sweep of {} beside yield.active", sweep.parameter.name());
             let allowed =
                 "leave yield.active out: it and [stress] both determine the active conditions";
-            return Err(entries.positions.error_at(axis, found, allowed));
+            return Err(entries.positions.key_error(axis, found, allowed));
         }
         let sweeps_elevation =
             [x, y].iter().any(|sweep| sweep.parameter.name() == "wave.elevation_deg");
         if sweeps_elevation && numbers.dimensions == 2 {
             let allowed = "set model.dimensions = 3: waves of plane strain have elevation 0";
             let found = "a sweep of wave.elevation_deg in plane strain";
-            return Err(entries.positions.error_at("map", found, allowed));
+            return Err(entries.positions.key_error("map", found, allowed));
         }
         Ok(Some(map))
     }
@@ -140,7 +140,7 @@ fn read_sweep(
     };
     if points > 1 && from == to {
         let found = format!("found {to:?} at both ends");
-        return Err(entries.positions.error_at(
+        return Err(entries.positions.key_error(
             to_key,
             found,
             "give two different ends, or 1 point",
@@ -174,7 +174,11 @@ fn check_spacing(
         // Report the end of larger magnitude.
         let key = if from.abs() > to.abs() { from_key } else { to_key };
         let found = format!("found {from:?} … {to:?}, whose difference overflows");
-        return Err(entries.positions.error_at(key, found, "give ends whose difference is finite"));
+        return Err(entries.positions.key_error(
+            key,
+            found,
+            "give ends whose difference is finite",
+        ));
     }
     // Rounding changes a value of the sweep by at most 3/2 of `unit`: ε times the largest magnitude, but at least the
     // smallest subnormal double.
@@ -182,7 +186,7 @@ fn check_spacing(
     if range.abs() / (points - 1) as f64 <= 4.0 * unit {
         let found =
             format!("found {points} points between {from:?} and {to:?}, too close to differ");
-        return Err(entries.positions.error_at(
+        return Err(entries.positions.key_error(
             points_key,
             found,
             "give fewer points, or a wider range",
@@ -195,7 +199,7 @@ fn check_spacing(
 fn unknown_parameter_error(
     entries: &CaseEntries,
     medium: MediumKind,
-    place: &str,
+    key: &str,
     name: &str,
 ) -> CaseError {
     let names: Vec<String> = SweepParameter::all_parameters()
@@ -218,5 +222,5 @@ fn unknown_parameter_error(
             format!("no parameter is called '{shown}'")
         }
     };
-    entries.positions.error_at(place, found, format!("{meant}allowed: {}", names.join(", ")))
+    entries.positions.key_error(key, found, format!("{meant}allowed: {}", names.join(", ")))
 }

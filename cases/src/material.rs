@@ -4,7 +4,7 @@ use super::entries::{CaseEntries, find_model_kind};
 use super::error::CaseError;
 use super::key_positions::KeyPositions;
 use super::keys::{Key, SweepParameter, keys};
-use super::kind::{MediumKind, ModelKind, NO_YIELD_NAME, Yield, join_names};
+use super::kind::{MediumKind, ModelKind, NO_YIELD_NAME, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
 use super::scalar_keys;
 use super::section::SectionReader;
@@ -17,7 +17,7 @@ pub struct Material {
     /// Kind of model.
     pub kind: ModelKind,
     /// Yield set; `None` in flows and elastic solids.
-    pub yield_set: Option<Yield>,
+    pub yield_set: Option<YieldSetKind>,
     /// Active yield conditions, as indices into [`MediumKind::yield_condition_names`]; `None` if they follow from the
     /// stress.
     pub active_conditions: Option<Vec<usize>>,
@@ -47,7 +47,7 @@ impl Material {
         )?;
         let ModelKind::Solid(_) = kind else {
             let allowed = format!("solids only: {}", join_names(&ModelKind::solid_kinds()));
-            return Err(entries.positions.error_at(
+            return Err(entries.positions.key_error(
                 MODEL_KIND_KEY,
                 format!("found {}, a flow", kind.name()),
                 allowed,
@@ -58,7 +58,7 @@ impl Material {
         {
             let names: Vec<&str> =
                 kind.admissible_yield_sets().iter().map(|set| set.name).collect();
-            return Err(entries.positions.error_at(
+            return Err(entries.positions.key_error(
                 MODEL_KIND_KEY,
                 format!("found {}, which does not admit the yield set {}", kind.name(), set.name),
                 format!("add yield = {{ kind = ... }} with one of none, {}", names.join(", ")),
@@ -108,7 +108,7 @@ impl Material {
     /// Adds the position in the case file to an input error of a model.
     pub fn locate_error(&self, error: InputError) -> CaseError {
         let key = self.case_key(error.input);
-        self.positions.error_at(
+        self.positions.key_error(
             key,
             format!("found {}", error.rejected_value),
             error.allowed_values,
@@ -181,12 +181,16 @@ pub(super) fn check_dimensions(
     if matches!(kind, ModelKind::Solid(solid) if solid.is_plane) {
         let found = format!("found {} in a grid of {d} dimensions", kind.name());
         let allowed = "it is a solid in plane strain: grid.cells must have 2 entries";
-        return if d == 2 { Ok(()) } else { Err(positions.error_at("model.kind", found, allowed)) };
+        return if d == 2 {
+            Ok(())
+        } else {
+            Err(positions.key_error("model.kind", found, allowed))
+        };
     }
     if dimensions != d {
         let found = format!("found {dimensions} in a grid of {d} dimensions");
         let allowed = format!("give {d}, the number of entries of grid.cells, or leave it out");
-        return Err(positions.error_at("model.dimensions", found, allowed));
+        return Err(positions.key_error("model.dimensions", found, allowed));
     }
     Ok(())
 }

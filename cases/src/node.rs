@@ -33,7 +33,7 @@ pub(super) fn format_segment(name: &str) -> String {
 }
 
 impl<'a> Node<'a> {
-    /// Builds the tree of a value; reports the dotted key and byte offset of each part to `note`.
+    /// Builds the tree of a value; calls `note` with the dotted key and byte offset of each value inside it.
     pub(super) fn from_toml(
         value: &DeValue<'a>,
         path: &str,
@@ -97,14 +97,17 @@ impl<'a> NodeTable<'a> {
         self.node(name).is_some()
     }
 
+    /// Returns the node with the name `name`, if any.
     pub(super) fn node(&self, name: &str) -> Option<&Node<'a>> {
         self.0.iter().find(|(own, _)| own == name).map(|(_, node)| node)
     }
 
+    /// Returns all names and nodes in the order of the file.
     pub(super) fn entries(&self) -> impl Iterator<Item = (&str, &Node<'a>)> {
         self.0.iter().map(|(name, node)| (name.as_str(), node))
     }
 
+    /// Inserts a node, or replaces the node of the same name.
     pub(super) fn insert(&mut self, name: &str, node: Node<'a>) {
         match self.0.iter_mut().find(|(own, _)| own == name) {
             Some((_, old)) => *old = node,

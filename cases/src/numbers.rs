@@ -1,6 +1,6 @@
 //! Scalar numbers of a case, by section.
 
-use models::common::parameter::{Parameter as Constant, Presence};
+use models::common::parameter::{Parameter, Presence};
 
 /// Scalar numbers of a case as given in its file: SI units, angles in degrees, `None` for an absent key without
 /// default.
@@ -16,7 +16,7 @@ pub struct CaseNumbers {
     pub plastic_rate: f64,
     /// Stress of a yielding solid, section `[stress]`.
     pub stress: StressNumbers,
-    /// Local state of a flow, section `[background]`.
+    /// State of a flow at a point, section `[background]`.
     pub background: BackgroundNumbers,
     /// Wave vector at which the roots of the dispersion relation are listed, section `[wave]`.
     pub wave: WaveNumbers,
@@ -29,14 +29,14 @@ pub struct ConstantValues(Vec<(&'static str, f64)>);
 impl ConstantValues {
     /// Returns the value of the constant `name`, if set.
     pub fn value(&self, name: &str) -> Option<f64> {
-        self.search_name(name).ok().map(|place| self.0[place].1)
+        self.search_name(name).ok().map(|index| self.0[index].1)
     }
 
     /// Sets the constant `name`.
     pub fn set_value(&mut self, name: &'static str, value: f64) {
         match self.search_name(name) {
-            Ok(place) => self.0[place].1 = value,
-            Err(place) => self.0.insert(place, (name, value)),
+            Ok(index) => self.0[index].1 = value,
+            Err(index) => self.0.insert(index, (name, value)),
         }
     }
 
@@ -57,11 +57,11 @@ impl ConstantValues {
     /// NaN for absent constants.
     pub fn collect_si_values<'a>(
         &self,
-        parameters: impl IntoIterator<Item = &'a Constant>,
+        parameters: impl IntoIterator<Item = &'a Parameter>,
         values: &mut Vec<f64>,
     ) {
         values.clear();
-        let value = |own: &Constant| own.to_si(self.value(own.name).unwrap_or(f64::NAN));
+        let value = |own: &Parameter| own.to_si(self.value(own.name).unwrap_or(f64::NAN));
         values.extend(parameters.into_iter().map(value));
     }
 }

@@ -9,12 +9,12 @@ use models::interface::homogenised::{BlockMaterial, BlockyMedium};
 use models::registry;
 use models::solid::parameters::Isotropic;
 
-/// Copies of one block in rows, with one law of joints on the faces normal to each axis.
+/// Periodic blocky medium: copies of one block in rows, with one law of joints on the faces normal to each axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicBlocks {
     /// Elastic material of the blocks.
     pub material: BlockMaterial,
-    /// Sides of a block, m.
+    /// Side lengths of a block along each axis, m.
     pub size: [f64; 2],
     /// Number of blocks along each axis.
     pub count: [usize; 2],
@@ -29,7 +29,7 @@ pub struct PeriodicBlocks {
 /// Square blocks with the same joints along both axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SquareBlocks {
-    /// Blocks and elastic part of the joints.
+    /// Constants of the blocks and elastic constants of the joints.
     pub medium: BlockyMedium,
     /// Law of the joints.
     pub joint: JointLaw,
@@ -37,11 +37,11 @@ pub struct SquareBlocks {
     pub count: [usize; 2],
 }
 
-/// Largest relative difference of sides of a square block.
+/// Largest relative difference of the side lengths of a block that counts as square.
 const SIDE_TOLERANCE: f64 = 1e-9;
 
 impl Case {
-    /// Returns whether the case is a blocky medium: two neighbouring blocks are separated by a joint.
+    /// Returns whether the case is a blocky medium with joints: any two neighbouring blocks are separated by a joint.
     pub fn has_joints(&self) -> bool {
         self.blocks().is_some_and(Blocks::has_joints)
     }
@@ -50,8 +50,7 @@ impl Case {
         self.solid_run.as_ref()?.blocks.as_ref()
     }
 
-    /// Returns the case with the material of the first block in place of that of `[model]`; the case itself without
-    /// blocks.
+    /// Returns the case with the material of the first block as its material; without blocks the case itself.
     pub fn with_block_material(&self) -> Self {
         let mut case = self.clone();
         if let Some(first) = self.blocks().and_then(|blocks| blocks.materials.first()) {
@@ -69,19 +68,19 @@ impl Case {
         let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
             let allowed = "a blocky medium: add [[block]] with cells, size and repeat in place of \
                            [grid], and [[joint]] (wellposed new classical --run shows the sections)";
-            return Err(self.material.positions.error_at("block", "missing", allowed));
+            return Err(self.material.positions.key_error("block", "missing", allowed));
         };
         if let Some(second) = blocks.entries.get(1) {
             let name = second.name.as_deref().map_or(String::new(), |name| format!(" '{name}'"));
             let found = format!("found a second kind of block{name}");
             let allowed = "one kind of block that repeats: a periodic medium; keep one [[block]]";
-            return Err(run.error_at("block[1]", found, allowed));
+            return Err(run.key_error("block[1]", found, allowed));
         }
         let entry = &blocks.entries[0];
         if blocks.materials.len() > 1 {
             let found = format!("found {} materials", blocks.materials.len());
             let allowed = "blocks of one material; give model in place of materials";
-            return Err(run.error_at("block[0].materials", found, allowed));
+            return Err(run.key_error("block[0].materials", found, allowed));
         }
         let joints = [joint_along(0, run, blocks)?, joint_along(1, run, blocks)?];
         let material = &blocks.materials[0];
@@ -103,8 +102,8 @@ impl Case {
     pub fn to_square_blocks(&self) -> Result<SquareBlocks, CaseError> {
         let own = self.to_periodic_blocks()?;
         let error = |path: &str, found: String, allowed: &str| match &self.solid_run {
-            Some(run) => run.error_at(path, found, allowed),
-            None => self.material.positions.error_at(path, found, allowed),
+            Some(run) => run.key_error(path, found, allowed),
+            None => self.material.positions.key_error(path, found, allowed),
         };
         let [width, height] = own.size;
         if (width - height).abs() > SIDE_TOLERANCE * width {
@@ -133,7 +132,7 @@ impl Case {
                            not supported; wellposed dispersion has their Bloch waves";
             return Err(error(&joint_key(1), found, allowed));
         }
-        let Some(layer) = first.material.elastic_part() else {
+        let Some(layer) = first.material.to_elastic_material() else {
             let found = format!("found {}", first.kind.name);
             let allowed = "elastic, elastic-plastic or breaking: the continuum has no fluid";
             return Err(error(&format!("{}.kind", joint_key(0)), found, allowed));
@@ -145,7 +144,11 @@ impl Case {
 
 /// Returns the index of the first joint normal to an axis.
 fn first_joint(axis: usize, blocks: &Blocks) -> Option<u16> {
-    blocks.contacts.iter().filter(|contact| contact.axis == axis).find_map(|contact| contact.joint)
+    blocks
+        .contacts
+        .iter()
+        .filter(|contact| contact.axis == axis)
+        .find_map(|contact| contact.joint_index)
 }
 
 /// Returns the law of all joints normal to an axis.
@@ -155,20 +158,20 @@ fn joint_along(axis: usize, run: &SolidRun, blocks: &Blocks) -> Result<JointLaw,
         let found = format!("no joint normal to x{name}");
         let allowed = "joints between all blocks along both axes: add [[joint]] with every = \
                        \"all\", and repeat at least 2 along both axes";
-        return Err(run.error_at("joint", found, allowed));
+        return Err(run.key_error("joint", found, allowed));
     };
     let law = &blocks.joints[usize::from(first)].law;
     for contact in blocks.contacts.iter().filter(|contact| contact.axis == axis) {
-        match contact.joint {
+        match contact.joint_index {
             None => {
                 let found = format!("some neighbours along x{name} are welded");
                 let allowed = "joints between all blocks: add every = \"all\"";
-                return Err(run.error_at(&format!("joint[{first}]"), found, allowed));
+                return Err(run.key_error(&format!("joint[{first}]"), found, allowed));
             }
             Some(joint) if blocks.joints[usize::from(joint)].law != *law => {
                 let found = format!("differs from joint[{first}], also normal to x{name}");
                 let allowed = "one law of joints along each axis: a periodic medium";
-                return Err(run.error_at(&format!("joint[{joint}]"), found, allowed));
+                return Err(run.key_error(&format!("joint[{joint}]"), found, allowed));
             }
             Some(_) => {}
         }
@@ -181,7 +184,7 @@ fn block_material(material: &Material) -> Result<BlockMaterial, CaseError> {
     let not_classical = || {
         let found = format!("found {}", material.kind.name());
         let allowed = "classical: the blocks are classical elastic solids";
-        material.positions.error_at("model.kind", found, allowed)
+        material.positions.key_error("model.kind", found, allowed)
     };
     let ModelKind::Solid(kind) = material.kind else { return Err(not_classical()) };
     if kind != registry::CLASSICAL {
@@ -189,7 +192,7 @@ fn block_material(material: &Material) -> Result<BlockMaterial, CaseError> {
     }
     let mut constants = Vec::new();
     material.numbers.model_constants.collect_si_values(kind.parameters, &mut constants);
-    let law = kind.law(&constants).map_err(|error| material.locate_error(error))?;
+    let law = kind.build_law(&constants).map_err(|error| material.locate_error(error))?;
     let Some(Isotropic { lambda, mu, density, .. }) = law.downcast::<Isotropic>() else {
         return Err(not_classical());
     };

@@ -17,27 +17,31 @@ pub(crate) fn check_position(
     domain_name: &str,
 ) -> Result<(), CaseError> {
     let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
-        let slack = RELATIVE_TOLERANCE * (last - first);
-        (first - slack..=last + slack).contains(x)
+        let tolerance = RELATIVE_TOLERANCE * (last - first);
+        (first - tolerance..=last + tolerance).contains(x)
     };
     if position.iter().zip(bounds).all(is_inside) {
         return Ok(());
     }
-    // Suppress rounding errors near 0.
-    let tidy = |x: f64, length: f64| match x.abs() < RELATIVE_TOLERANCE * length {
+    // Values that differ from 0 only by rounding errors are printed as 0.
+    let round_to_zero = |x: f64, length: f64| match x.abs() < RELATIVE_TOLERANCE * length {
         true => 0.0,
         false => format!("{x:.11e}").parse().unwrap_or(x),
     };
-    let words: Vec<String> = axes
+    let axis_ranges: Vec<String> = axes
         .iter()
         .zip(bounds)
         .map(|(axis, [first, last])| {
-            let [from, to] = [first, last].map(|x| tidy(*x, last - first));
+            let [from, to] = [first, last].map(|x| round_to_zero(*x, last - first));
             format!("x{} from {from:?} to {to:?} m", axis + 1)
         })
         .collect();
     let found = format!("found {position:?}, outside the {domain_name}");
-    Err(section.error_at(key, found, format!("the {domain_name} has {}", join_with_commas(&words))))
+    Err(section.key_error(
+        key,
+        found,
+        format!("the {domain_name} has {}", join_with_commas(&axis_ranges)),
+    ))
 }
 
 /// Checks that `from` < `to` along each axis.
@@ -54,5 +58,5 @@ pub(crate) fn check_order(
         all => format!("{all:?}"),
     });
     let found = format!("found {to} with from = {from}");
-    Err(section.error_at("to", found, "to must be greater than from along each axis"))
+    Err(section.key_error("to", found, "to must be greater than from along each axis"))
 }

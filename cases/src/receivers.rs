@@ -127,7 +127,7 @@ pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
     find_field: impl Fn(&str) -> Option<F>,
     domain: &ReceiverDomain,
 ) -> Result<Vec<ReceiverPoint<F>>, CaseError> {
-    let words: Vec<String> = recorded_fields.iter().map(F::to_string).collect();
+    let names: Vec<String> = recorded_fields.iter().map(F::to_string).collect();
     let mut receivers = Vec::new();
     let mut taken: BTreeMap<String, usize> = BTreeMap::new();
     for (index, section) in root.open_list(domain.schema)?.into_iter().enumerate() {
@@ -137,7 +137,7 @@ pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
         let count = receivers.len() + points.len();
         if count > MAX_RECEIVERS {
             let found = format!("{count} points including this entry");
-            return Err(root.error_at(
+            return Err(root.key_error(
                 "receiver",
                 found,
                 format!("at most {MAX_RECEIVERS} in total"),
@@ -149,18 +149,18 @@ pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
                 .unwrap_or_default(),
             false => Interpolation::Nearest,
         };
-        let fields = section.read_distinct_list("fields", &words, &find_field)?;
+        let fields = section.read_distinct_list("fields", &names, &find_field)?;
         if fields.as_ref().is_some_and(Vec::is_empty) {
-            let allowed = format!("name at least one of {}", join_with_commas(&words));
-            return Err(section.error_at("fields", "an empty list", allowed));
+            let allowed = format!("name at least one of {}", join_with_commas(&names));
+            return Err(section.key_error("fields", "an empty list", allowed));
         }
         let fields = fields.unwrap_or_else(|| recorded_fields.to_vec());
         for (suffix, at) in points {
             let name = format!("{name}{suffix}");
             if let Some(first) = taken.insert(name.clone(), index) {
-                let place = root.locate(&format!("receiver[{first}]"));
-                let found = format!("found '{name}', the name of receiver[{first}] ({place})");
-                return Err(section.error_at("name", found, "give each receiver a unique name"));
+                let position = root.locate(&format!("receiver[{first}]"));
+                let found = format!("found '{name}', the name of receiver[{first}] ({position})");
+                return Err(section.key_error("name", found, "give each receiver a unique name"));
             }
             receivers.push(ReceiverPoint {
                 name,
@@ -195,7 +195,7 @@ fn compute_points(
             if section.has_key(key) {
                 let allowed =
                     "add from, the first point of a line or grid, or give at for a single point";
-                return Err(section.error_at(key, "found without from", allowed));
+                return Err(section.key_error(key, "found without from", allowed));
             }
         }
         let mut at: Vec<f64> = section.read_required("at")?;
@@ -205,7 +205,7 @@ fn compute_points(
     };
     if section.has_key("at") {
         let allowed = "give either at (a point) or from (a line or grid of points), not both";
-        return Err(section.error_at("at", "found beside from", allowed));
+        return Err(section.key_error("at", "found beside from", allowed));
     }
     let to: Vec<Vec<f64>> = section.read_required("to")?;
     let counts: Vec<usize> = match to.len() {
@@ -229,7 +229,7 @@ fn compute_points(
             "found {}",
             join_with_commas(&counts.iter().map(usize::to_string).collect::<Vec<_>>())
         );
-        return Err(section.error_at(
+        return Err(section.key_error(
             "count",
             found,
             format!("at most {MAX_POINTS_PER_ENTRY} points in total"),

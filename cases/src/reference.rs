@@ -57,7 +57,7 @@ pub fn generate_reference() -> String {
             page.push_str(&format_key_row(key));
         }
     }
-    for (title, forms) in all_schemas() {
+    for (title, table_schemas) in all_schemas() {
         match title {
             "check" => page.push_str("\n## Check\n"),
             _ => {
@@ -65,9 +65,9 @@ pub fn generate_reference() -> String {
             }
         }
         let mut tables: Vec<&'static TableSchema> = Vec::new();
-        for form in forms {
-            append_table(&mut page, form);
-            for (_, item) in form.keys() {
+        for table_schema in table_schemas {
+            append_table(&mut page, table_schema);
+            for (_, item) in table_schema.keys() {
                 if let ValueType::Table(inner) | ValueType::TableList(inner) = item.value_type
                     && !tables.iter().any(|own| std::ptr::eq(*own, inner) || own.name == inner.name)
                 {
@@ -75,8 +75,8 @@ pub fn generate_reference() -> String {
                 }
             }
         }
-        for form in tables {
-            append_table(&mut page, form);
+        for table_schema in tables {
+            append_table(&mut page, table_schema);
         }
     }
     page
@@ -102,12 +102,12 @@ fn format_key_row(key: &Key) -> String {
         Some(axis) => format!("{axis}.{name}"),
         None => name.to_owned(),
     };
-    let words = key.allowed_names().filter(|words| words.len() <= MAX_LISTED_NAMES);
-    let value = match words {
-        Some(words) if matches!(key.value_type(), ValueType::TextList) => {
-            format!("list of {}", format_name_list(&words))
+    let names = key.allowed_names().filter(|names| names.len() <= MAX_LISTED_NAMES);
+    let value = match names {
+        Some(names) if matches!(key.value_type(), ValueType::TextList) => {
+            format!("list of {}", format_name_list(&names))
         }
-        Some(words) => format_name_list(&words),
+        Some(names) => format_name_list(&names),
         None => match key.value_type() {
             ValueType::Number(_) => describe_range(key.range),
             other => describe_type(&other),
@@ -143,30 +143,30 @@ fn format_users(key: &Key) -> String {
     }
 }
 
-fn append_table(page: &mut String, form: &'static TableSchema) {
-    let mut letters = form.meaning.chars();
+fn append_table(page: &mut String, table_schema: &'static TableSchema) {
+    let mut letters = table_schema.meaning.chars();
     let first = letters.next().map_or(String::new(), |letter| letter.to_uppercase().collect());
-    let _ = write!(page, "\n### `{}`\n\n{first}{}.\n", form.header(), letters.as_str());
-    if form.is_required && form.layout != TableLayout::InlineTable {
-        match form.alternative {
+    let _ = write!(page, "\n### `{}`\n\n{first}{}.\n", table_schema.header(), letters.as_str());
+    if table_schema.is_required && table_schema.layout != TableLayout::InlineTable {
+        match table_schema.alternative {
             Some(other) => {
                 let _ = writeln!(page, "Required for a simulation without `[[{other}]]`.");
             }
             None => page.push_str("Required for a simulation.\n"),
         }
     }
-    if let Some(name) = form.former_name {
-        let header = form.layout.format_header(name);
+    if let Some(name) = table_schema.former_name {
+        let header = table_schema.layout.format_header(name);
         let _ = writeln!(page, "The former name `{header}` is read for one more version.");
     }
-    if form.groups.is_empty() {
+    if table_schema.groups.is_empty() {
         append_stress_table(page);
         return;
     }
     page.push_str(
         "\n| key | value | unit | default | meaning | condition |\n|---|---|---|---|---|---|\n",
     );
-    for (when, item) in form.keys() {
+    for (when, item) in table_schema.keys() {
         let default = match item.presence {
             KeyPresence::Required(_) => "*required*".to_owned(),
             KeyPresence::Default(value) => format_code(value),
@@ -203,7 +203,7 @@ fn append_stress_table(page: &mut String) {
 
 fn format_condition(condition: &KeyCondition) -> String {
     match condition {
-        KeyCondition::HasValue(key, words) => format!("`{key}` is {}", words.join(", ")),
+        KeyCondition::HasValue(key, names) => format!("`{key}` is {}", names.join(", ")),
         KeyCondition::Present(key) => format!("with `{key}`"),
         KeyCondition::Absent(key) => format!("without `{key}`"),
         KeyCondition::PlaneStrain => "plane strain".into(),
@@ -214,8 +214,8 @@ fn format_condition(condition: &KeyCondition) -> String {
 /// Maximum number of names listed in a table cell.
 const MAX_LISTED_NAMES: usize = 12;
 
-fn format_name_list(words: &[String]) -> String {
-    words.iter().map(|word| format_code(word)).collect::<Vec<_>>().join(", ")
+fn format_name_list(names: &[String]) -> String {
+    names.iter().map(|name| format_code(name)).collect::<Vec<_>>().join(", ")
 }
 
 fn describe_range(range: AllowedRange) -> String {
@@ -275,8 +275,8 @@ fn describe_type(value: &ValueType) -> String {
         ValueType::Samples([pair, _]) => format!("list of pairs `{pair}`"),
         ValueType::PointList => "point, or list of points".into(),
         ValueType::PointCounts => "whole number ≥ 2, or list of whole numbers ≥ 2".into(),
-        ValueType::OneOf(words) | ValueType::AnyOf(words) => {
-            let all = words(&SchemaScope::default());
+        ValueType::OneOf(allowed_names) | ValueType::AnyOf(allowed_names) => {
+            let all = allowed_names(&SchemaScope::default());
             let is_list = matches!(value, ValueType::AnyOf(_));
             match (all.len() <= MAX_LISTED_NAMES, is_list) {
                 (true, false) => format_name_list(&all),
@@ -285,8 +285,10 @@ fn describe_type(value: &ValueType) -> String {
                 (false, true) => format!("list of names, e.g. {}", format_code(&all[0])),
             }
         }
-        ValueType::Table(form) => format!("table, see `{}`", form.header()),
-        ValueType::TableList(form) => format!("list of tables, see `{}`", form.header()),
+        ValueType::Table(table_schema) => format!("table, see `{}`", table_schema.header()),
+        ValueType::TableList(table_schema) => {
+            format!("list of tables, see `{}`", table_schema.header())
+        }
         ValueType::IndexList => "list of whole numbers ≥ 0".into(),
         ValueType::SectionKeys(section) => format!("table with keys of `[{section}]`"),
     }

@@ -3,7 +3,7 @@
 use super::entries::{CaseEntries, describe_allowed_values, find_model_kind};
 use super::error::{CaseError, escape};
 use super::keys::{Key, Presence, keys};
-use super::kind::{MediumKind, ModelKind, Yield, join_names};
+use super::kind::{MediumKind, ModelKind, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
 use super::types::is_name_too_long;
 use super::value::{CaseValue, find_similar_name, format_suggestion};
@@ -21,7 +21,7 @@ pub(super) fn read_name(entries: &CaseEntries, file: &str) -> Result<String, Cas
             let allowed =
                 Key::find_by_name(NAME_KEY).map_or(String::new(), describe_allowed_values);
             let found = format!("found '{}'", escape(name));
-            return Err(entries.positions.error_at(NAME_KEY, found, allowed));
+            return Err(entries.positions.key_error(NAME_KEY, found, allowed));
         }
         return Ok(name.clone());
     }
@@ -39,11 +39,11 @@ pub(super) fn read_yield_set(
     entries: &CaseEntries,
     kind: ModelKind,
     elastic_names: &[&'static str],
-) -> Result<Option<Yield>, CaseError> {
+) -> Result<Option<YieldSetKind>, CaseError> {
     const YIELD_KIND_KEY: &str = "yield.kind";
     if !entries.has_section("yield") {
         return match entries.has_section("stress") && !kind.admissible_yield_sets().is_empty() {
-            true => Err(entries.positions.error_at(
+            true => Err(entries.positions.key_error(
                 "stress",
                 "a stress without a yield set",
                 "add a section [yield], or leave this one out: elastic waves do not depend on the stress",
@@ -54,7 +54,7 @@ pub(super) fn read_yield_set(
     let sets = kind.admissible_yield_sets();
     if sets.is_empty() {
         let found = format!("a yield set for the model {}", kind.name());
-        return Err(entries.positions.error_at(
+        return Err(entries.positions.key_error(
             "yield",
             found,
             "leave the section out: flow models have a built-in yield condition",
@@ -71,7 +71,7 @@ pub(super) fn read_yield_set(
         let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
         let found = format!("found '{}'", escape(name));
         let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
-        entries.positions.error_at(YIELD_KIND_KEY, found, allowed)
+        entries.positions.key_error(YIELD_KIND_KEY, found, allowed)
     })
 }
 
@@ -88,11 +88,11 @@ pub(super) fn read_active_conditions(
         let owners: Vec<&str> =
             sets.iter().filter(|set| !set.conditions.is_empty()).map(|set| set.name).collect();
         let allowed = format!("leave it out (it belongs to {})", owners.join(", "));
-        return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
+        return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, found, allowed));
     }
     if entries.has_section("stress") {
         let found = "active conditions beside a section [stress]";
-        return Err(entries.positions.error_at(
+        return Err(entries.positions.key_error(
             YIELD_ACTIVE_KEY,
             found,
             "give either yield.active or [stress], not both",
@@ -105,20 +105,20 @@ pub(super) fn read_active_conditions(
         let Some(index) = known.iter().position(|known| *known == name.as_str()) else {
             let meant = format_suggestion(find_similar_name(name, known.iter().copied()));
             let allowed = format!("{meant}allowed: {}", known.join(", "));
-            return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
+            return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, found, allowed));
         };
         // The conditions on the positive and the negative sign of one stress are both active only if stress and
         // strength are zero, an indeterminate case.
         let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
         if active.iter().any(|&other| stress(other) == stress(index)) {
             let allowed = "name each stress once, with one sign";
-            return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
+            return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, found, allowed));
         }
         active.push(index);
     }
     if active.is_empty() {
         let allowed = format!("name at least one of {}", known.join(", "));
-        return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, "an empty list", allowed));
+        return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, "an empty list", allowed));
     }
     Ok(Some(active))
 }
@@ -146,7 +146,7 @@ pub(super) fn read_numbers(
                 (format!("the model {}", names.join(", ")), key.model_names())
             }
         };
-        return Err(entries.positions.error_at(
+        return Err(entries.positions.key_error(
             key.name,
             format!("not used by {user}"),
             format!("{meant}leave it out (it belongs to {})", owners.join(", ")),
@@ -173,18 +173,18 @@ pub(super) fn read_numbers(
     if let dimensions @ (1 | 4..) = numbers.dimensions {
         let found = format!("found {dimensions}");
         let allowed = "expected 2 (plane strain) or 3";
-        return Err(entries.positions.error_at("model.dimensions", found, allowed));
+        return Err(entries.positions.key_error("model.dimensions", found, allowed));
     }
     let elevation = numbers.wave.elevation_deg;
     if numbers.dimensions == 2 && elevation != 0.0 {
         let found = format!("found {elevation:?} in plane strain");
         let allowed = "expected 0, or model.dimensions = 3";
-        return Err(entries.positions.error_at("wave.elevation_deg", found, allowed));
+        return Err(entries.positions.key_error("wave.elevation_deg", found, allowed));
     }
     if let Some(set) = media[0].yield_set.filter(|set| set.is_plane && numbers.dimensions == 3) {
         let found = format!("found 3 with the yield set {}", set.name);
         let allowed = "expected 2: this yield set requires plane strain";
-        return Err(entries.positions.error_at("model.dimensions", found, allowed));
+        return Err(entries.positions.key_error("model.dimensions", found, allowed));
     }
     for key in keys().iter().filter(|key| key.split_section().0 == "wave") {
         if let Some(CaseValue::Number(found)) = key.storage.load_value(&numbers)
@@ -197,7 +197,7 @@ pub(super) fn read_numbers(
 }
 
 pub(super) fn wave_number_error(entries: &CaseEntries, key: &str, found: f64) -> CaseError {
-    entries.positions.error_at(key, format!("found {found:?}"), "a wave number must be positive")
+    entries.positions.key_error(key, format!("found {found:?}"), "a wave number must be positive")
 }
 
 /// Reads the kinds of model of `[compare]`.
@@ -214,7 +214,7 @@ pub(super) fn read_compared_kinds(
             let kind = find_model_kind(name, COMPARE_KINDS_KEY, &entries.positions)?;
             if let ModelKind::Solid(_) = kind {
                 let allowed = format!("flows only: {}", join_names(&ModelKind::flow_kinds()));
-                return Err(entries.positions.error_at(
+                return Err(entries.positions.key_error(
                     COMPARE_KINDS_KEY,
                     format!("found {name}, a solid"),
                     allowed,
@@ -222,7 +222,7 @@ pub(super) fn read_compared_kinds(
             }
             if kinds.contains(&kind) {
                 let found = format!("found {name} twice");
-                return Err(entries.positions.error_at(
+                return Err(entries.positions.key_error(
                     COMPARE_KINDS_KEY,
                     found,
                     "name each kind once",
@@ -232,7 +232,7 @@ pub(super) fn read_compared_kinds(
         }
     }
     if kinds.is_empty() {
-        return Err(entries.positions.error_at(
+        return Err(entries.positions.key_error(
             COMPARE_KINDS_KEY,
             "an empty list",
             "name at least one kind of model",

@@ -298,7 +298,7 @@ impl TableSchema {
             })?;
         let (_, item) = self.keys().find(|(_, item)| item.name == key)?;
         match item.value_type {
-            ValueType::OneOf(words) => Some((item, words(&SchemaScope::default()))),
+            ValueType::OneOf(allowed_names) => Some((item, allowed_names(&SchemaScope::default()))),
             _ => None,
         }
     }
@@ -426,7 +426,7 @@ pub(crate) struct CaseSchemas {
 impl CaseSchemas {
     /// Returns whether `section` is a structured section.
     pub(crate) fn has_section(&self, section: &str) -> bool {
-        self.all().any(|form| form.name == section)
+        self.all().any(|table_schema| table_schema.name == section)
     }
 
     /// Returns all schemas.
@@ -436,6 +436,6 @@ impl CaseSchemas {
 
     /// Finds the schema of a section by its former name.
     pub(crate) fn find_by_former_name(&self, name: &str) -> Option<&'static TableSchema> {
-        self.all().find(|form| form.former_name == Some(name))
+        self.all().find(|table_schema| table_schema.former_name == Some(name))
     }
 }

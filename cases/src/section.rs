@@ -10,7 +10,7 @@ use crate::schema::{
 use std::fmt::{Debug, Display};
 use toml::de::DeValue;
 
-/// Empty schema, for the root table and for inline tables with keys of another section.
+/// Schema without keys, for the root table and for inline tables whose keys are those of another section.
 const OPEN_SCHEMA: TableSchema = TableSchema::new_section("", "", &[]);
 
 /// Table reader. The schema of the table determines allowed keys, types and messages; `finish` reports unknown keys.
@@ -62,13 +62,13 @@ impl<'a> SectionReader<'a> {
     }
 
     /// Returns an error at the key `name` of this table.
-    pub(super) fn error_at(
+    pub(super) fn key_error(
         &self,
         name: &str,
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        self.positions.error_at(&self.full_key(name), found, allowed)
+        self.positions.key_error(&self.full_key(name), found, allowed)
     }
 
     /// Returns the position of the key `name` of this table.
@@ -78,9 +78,9 @@ impl<'a> SectionReader<'a> {
 
     fn is_satisfied(&self, condition: &KeyCondition) -> bool {
         match condition {
-            KeyCondition::HasValue(key, words) => {
+            KeyCondition::HasValue(key, names) => {
                 let found = self.node(key).and_then(Node::as_text);
-                found.is_some_and(|found| words.contains(&found.as_str()))
+                found.is_some_and(|found| names.contains(&found.as_str()))
             }
             KeyCondition::Present(key) => self.has_key(key),
             KeyCondition::Absent(key) => !self.has_key(key),
@@ -110,7 +110,7 @@ impl<'a> SectionReader<'a> {
 
     fn invalid_value_error_with(&self, name: &str, expected: &str) -> CaseError {
         let found = self.node(name).map_or(String::new(), Node::describe);
-        self.error_at(name, format!("found {found}"), format!("expected {expected}"))
+        self.key_error(name, format!("found {found}"), format!("expected {expected}"))
     }
 
     /// Returns the error of a missing required key.
@@ -122,7 +122,7 @@ impl<'a> SectionReader<'a> {
             }
             path => format!("add {name} to [{path}]: expected {expected}"),
         };
-        self.error_at(name, "missing", allowed)
+        self.key_error(name, "missing", allowed)
     }
 
     /// Reads an optional value; `None` if absent.
@@ -176,60 +176,60 @@ impl<'a> SectionReader<'a> {
         node.as_value().and_then(read).ok_or_else(|| self.invalid_value_error_with(name, expected))
     }
 
-    /// Reads an optional text. It is not checked against `words`, which are listed in messages only.
+    /// Reads an optional text. It is not checked against `names`, which are listed in messages only.
     pub(super) fn read_optional_text(
         &self,
         name: &str,
-        words: &[impl AsRef<str>],
+        names: &[impl AsRef<str>],
     ) -> Result<Option<String>, CaseError> {
         let Some(node) = self.node(name) else { return Ok(None) };
         let text = node.as_text();
         text.map(Some).ok_or_else(|| {
-            self.invalid_value_error_with(name, &format!("one of {}", join_with_commas(words)))
+            self.invalid_value_error_with(name, &format!("one of {}", join_with_commas(names)))
         })
     }
 
-    /// Reads a required text. It is not checked against `words`, which are listed in messages only.
+    /// Reads a required text. It is not checked against `names`, which are listed in messages only.
     pub(super) fn read_required_text(
         &self,
         name: &str,
-        words: &[impl AsRef<str>],
+        names: &[impl AsRef<str>],
     ) -> Result<String, CaseError> {
-        self.read_optional_text(name, words)?.ok_or_else(|| {
-            self.missing_key_error(name, &format!("one of {}", join_with_commas(words)))
+        self.read_optional_text(name, names)?.ok_or_else(|| {
+            self.missing_key_error(name, &format!("one of {}", join_with_commas(names)))
         })
     }
 
-    /// Reads an optional choice among `all`; `word` returns the name of each.
+    /// Reads an optional choice among `all`; `name_of` returns the name of each.
     pub(super) fn read_optional_choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
         all: &[T],
-        word: impl Fn(T) -> N,
+        name_of: impl Fn(T) -> N,
     ) -> Result<Option<T>, CaseError> {
-        let words: Vec<N> = all.iter().map(|&item| word(item)).collect();
-        let Some(found) = self.read_optional_text(name, &words)? else { return Ok(None) };
-        match words.iter().position(|word| word.as_ref() == found) {
+        let names: Vec<N> = all.iter().map(|&item| name_of(item)).collect();
+        let Some(found) = self.read_optional_text(name, &names)? else { return Ok(None) };
+        match names.iter().position(|word| word.as_ref() == found) {
             Some(index) => Ok(Some(all[index])),
-            None => Err(self.unknown_name_error(name, &found, &words)),
+            None => Err(self.unknown_name_error(name, &found, &names)),
         }
     }
 
-    /// Reads a required choice among `all`; `word` returns the name of each.
+    /// Reads a required choice among `all`; `name_of` returns the name of each.
     pub(super) fn read_choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
         all: &[T],
-        word: impl Fn(T) -> N,
+        name_of: impl Fn(T) -> N,
     ) -> Result<T, CaseError> {
-        self.read_optional_choice(name, all, &word)?.ok_or_else(|| {
-            let words: Vec<N> = all.iter().map(|&item| word(item)).collect();
-            self.missing_key_error(name, &format!("one of {}", join_with_commas(&words)))
+        self.read_optional_choice(name, all, &name_of)?.ok_or_else(|| {
+            let names: Vec<N> = all.iter().map(|&item| name_of(item)).collect();
+            self.missing_key_error(name, &format!("one of {}", join_with_commas(&names)))
         })
     }
 
-    /// Reads a list of quantities without repetition; `None` if absent. `find` finds a quantity by its name; `among`
-    /// are the names listed in messages.
+    /// Reads a list of quantities without repetition; `None` if absent. `find` finds a quantity by its name; the names
+    /// `among` are listed in messages.
     pub(super) fn read_distinct_list<T: PartialEq>(
         &self,
         key: &str,
@@ -249,7 +249,7 @@ impl<'a> SectionReader<'a> {
             let own = find(&name).ok_or_else(|| self.unknown_name_error(key, &name, among))?;
             if all.contains(&own) {
                 let found = format!("found '{name}' twice");
-                return Err(self.error_at(key, found, "name each once"));
+                return Err(self.key_error(key, found, "name each once"));
             }
             all.push(own);
         }
@@ -261,31 +261,32 @@ impl<'a> SectionReader<'a> {
         &self,
         name: &str,
         found: &str,
-        words: &[impl AsRef<str>],
+        names: &[impl AsRef<str>],
     ) -> CaseError {
-        let meant = format_suggestion(find_similar_name(found, words.iter().map(AsRef::as_ref)));
+        let meant = format_suggestion(find_similar_name(found, names.iter().map(AsRef::as_ref)));
         let found = format!("found '{}'", escape(found));
-        self.error_at(name, found, format!("{meant}allowed: {}", join_with_commas(words)))
+        self.key_error(name, found, format!("{meant}allowed: {}", join_with_commas(names)))
     }
 
     /// Returns the reader of a required subsection.
     pub(super) fn open_required_section(
         &self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
     ) -> Result<SectionReader<'a>, CaseError> {
-        self.open_section(form)?.ok_or_else(|| self.missing_key_error(form.name, form.remedy))
+        self.open_section(table_schema)?
+            .ok_or_else(|| self.missing_key_error(table_schema.name, table_schema.remedy))
     }
 
     /// Returns the reader of an optional subsection.
     pub(super) fn open_section(
         &self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
     ) -> Result<Option<SectionReader<'a>>, CaseError> {
-        let name = form.name;
+        let name = table_schema.name;
         match self.node(name) {
             None => Ok(None),
             Some(Node::Table(table)) => {
-                Ok(Some(self.subsection_reader(self.full_key(name), table, form)))
+                Ok(Some(self.subsection_reader(self.full_key(name), table, table_schema)))
             }
             Some(_) => Err(self.not_a_table_error(name)),
         }
@@ -293,14 +294,14 @@ impl<'a> SectionReader<'a> {
 
     /// Returns the reader of an optional inline table.
     pub(super) fn open_table(&self, name: &str) -> Result<Option<SectionReader<'a>>, CaseError> {
-        let form = match self.find_key_schema(name).map(|item| item.value_type) {
-            Some(ValueType::Table(form)) => form,
+        let table_schema = match self.find_key_schema(name).map(|item| item.value_type) {
+            Some(ValueType::Table(table_schema)) => table_schema,
             _ => &OPEN_SCHEMA,
         };
         match self.node(name) {
             None => Ok(None),
             Some(Node::Table(table)) => {
-                Ok(Some(self.subsection_reader(self.full_key(name), table, form)))
+                Ok(Some(self.subsection_reader(self.full_key(name), table, table_schema)))
             }
             Some(_) => Err(self.not_a_table_error(name)),
         }
@@ -318,20 +319,21 @@ impl<'a> SectionReader<'a> {
             _ => "expected a table in braces { key = value, ... }".to_owned(),
         };
         let found = self.node(name).map_or(String::new(), Node::describe);
-        self.error_at(name, format!("found {found}"), expected)
+        self.key_error(name, format!("found {found}"), expected)
     }
 
     /// Returns the readers of a list of subsections; empty if absent.
     pub(super) fn open_list(
         &self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
     ) -> Result<Vec<SectionReader<'a>>, CaseError> {
-        let name = form.name;
+        let name = table_schema.name;
         match self.node(name) {
             None => Ok(Vec::new()),
             Some(Node::Tables(tables)) => {
                 let path = |index| format!("{}[{index}]", self.full_key(name));
-                let section = |(index, table)| self.subsection_reader(path(index), table, form);
+                let section =
+                    |(index, table)| self.subsection_reader(path(index), table, table_schema);
                 Ok(tables.iter().enumerate().map(section).collect())
             }
             // An empty TOML list is an empty list of tables.
@@ -340,11 +342,11 @@ impl<'a> SectionReader<'a> {
             }
             Some(node) => {
                 let found = format!("found {}", node.describe());
-                let expected = match form.layout {
+                let expected = match table_schema.layout {
                     TableLayout::InlineTable => "expected a list of tables [{ ... }, ...]".into(),
                     _ => format!("expected sections [[{name}]]"),
                 };
-                Err(self.error_at(name, found, expected))
+                Err(self.key_error(name, found, expected))
             }
         }
     }
@@ -353,13 +355,13 @@ impl<'a> SectionReader<'a> {
         &self,
         path: String,
         table: &'a NodeTable<'a>,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
     ) -> SectionReader<'a> {
         SectionReader {
             path,
             table,
             positions: self.positions,
-            schema: form,
+            schema: table_schema,
             scope: self.scope.clone(),
         }
     }
@@ -382,13 +384,13 @@ impl<'a> SectionReader<'a> {
     pub(super) fn unknown_key_error(&self, name: &str, names: &[impl AsRef<str>]) -> CaseError {
         let meant = format_suggestion(find_similar_name(name, names.iter().map(AsRef::as_ref)));
         let allowed = format!("{meant}allowed here: {}", join_with_commas(names));
-        self.error_at(&format_segment(name), "unknown key", allowed)
+        self.key_error(&format_segment(name), "unknown key", allowed)
     }
 }
 
 /// Joins names with commas.
-pub(super) fn join_with_commas(words: &[impl AsRef<str>]) -> String {
-    words.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ")
+pub(super) fn join_with_commas(names: &[impl AsRef<str>]) -> String {
+    names.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ")
 }
 
 /// Writer of a resolved table: pairs of key and value as TOML.
@@ -436,8 +438,8 @@ impl TableWriter {
     }
 
     /// Formats the section as TOML: header and lines.
-    pub(super) fn to_section_toml(&self, form: &TableSchema) -> String {
+    pub(super) fn to_section_toml(&self, table_schema: &TableSchema) -> String {
         let lines = self.0.iter().map(|(name, value)| format!("{name} = {value}\n"));
-        format!("\n{}\n{}", form.header(), lines.collect::<String>())
+        format!("\n{}\n{}", table_schema.header(), lines.collect::<String>())
     }
 }

@@ -40,8 +40,9 @@ pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 3] {
 /// A section is not used by the kind of model, or a time-domain section is present without `[grid]`.
 pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bool, CaseError> {
     let own = simulation_schemas(kind);
-    let is_own =
-        |name: &str| name == check::SCHEMA.name || own.iter().any(|form| form.name == name);
+    let is_own = |name: &str| {
+        name == check::SCHEMA.name || own.iter().any(|table_schema| table_schema.name == name)
+    };
     if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
         let found = match kind {
             ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
@@ -61,13 +62,13 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
                 format!("leave it out: it belongs to {}", join_names(&owners))
             }
             _ => {
-                let own: Vec<&str> = own.iter().map(|form| form.name).collect();
+                let own: Vec<&str> = own.iter().map(|table_schema| table_schema.name).collect();
                 format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
             }
         };
-        return Err(root.error_at(foreign, found, allowed));
+        return Err(root.key_error(foreign, found, allowed));
     }
-    let first = own.iter().map(|form| form.name).find(|name| root.has_key(name));
+    let first = own.iter().map(|table_schema| table_schema.name).find(|name| root.has_key(name));
     match first {
         None => Ok(false),
         Some("grid" | "block") => Ok(true),
@@ -75,7 +76,7 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
             let size = if let ModelKind::Flow(_) = kind { "length" } else { "spacing" };
             let allowed =
                 format!("add a section [grid] with cells and {size}, or leave this one out");
-            Err(root.error_at(name, "found without a grid", allowed))
+            Err(root.key_error(name, "found without a grid", allowed))
         }
     }
 }
@@ -87,16 +88,16 @@ mod tests {
     use crate::value::CaseValue;
     use toml::de::DeValue;
 
-    fn assert_keys_are_consistent(form: &'static TableSchema) {
-        let names: Vec<&str> = form.keys().map(|(_, item)| item.name).collect();
-        for (when, item) in form.keys() {
+    fn assert_keys_are_consistent(table_schema: &'static TableSchema) {
+        let names: Vec<&str> = table_schema.keys().map(|(_, item)| item.name).collect();
+        for (when, item) in table_schema.keys() {
             let conditions = || when.iter().chain(item.conditions);
             for condition in conditions() {
                 match condition {
                     KeyCondition::HasValue(key, _)
                     | KeyCondition::Present(key)
                     | KeyCondition::Absent(key) => {
-                        assert!(names.contains(key), "{}: {key}", form.name);
+                        assert!(names.contains(key), "{}: {key}", table_schema.name);
                     }
                     KeyCondition::PlaneStrain | KeyCondition::Space => {}
                 }
@@ -112,29 +113,31 @@ mod tests {
             let read = item.value_type.parse_value(value.get_ref(), &scope);
             let is_allowed = match (item.value_type, read) {
                 (ValueType::SectionKeys(_), _) => true,
-                (ValueType::OneOf(words), Some(CaseValue::Text(word))) => {
-                    words(&scope).contains(&word)
+                (ValueType::OneOf(allowed_names), Some(CaseValue::Text(word))) => {
+                    allowed_names(&scope).contains(&word)
                 }
-                (ValueType::AnyOf(words), Some(CaseValue::TextList(own))) => {
-                    own.iter().all(|word| words(&scope).contains(word))
+                (ValueType::AnyOf(allowed_names), Some(CaseValue::TextList(own))) => {
+                    own.iter().all(|word| allowed_names(&scope).contains(word))
                 }
                 (_, read) => read.is_some(),
             };
-            assert!(is_allowed, "{}.{}: {}", form.name, item.name, item.example_value());
+            assert!(is_allowed, "{}.{}: {}", table_schema.name, item.name, item.example_value());
         }
     }
 
     #[test]
     fn schema_examples_have_declared_types_and_conditions_name_existing_keys() {
-        for form in all_schemas().iter().flat_map(|(_, forms)| forms) {
-            assert_keys_are_consistent(form);
+        for table_schema in all_schemas().iter().flat_map(|(_, table_schemas)| table_schemas) {
+            assert_keys_are_consistent(table_schema);
         }
     }
 
     #[test]
     fn default_courant_number_equals_schema_default() {
-        let time =
-            crate::dynamics::SOLID_SCHEMAS.iter().find(|form| form.name == "time").expect("it");
+        let time = crate::dynamics::SOLID_SCHEMAS
+            .iter()
+            .find(|table_schema| table_schema.name == "time")
+            .expect("it");
         let (_, item) = time.keys().find(|(_, item)| item.name == "courant").expect("it");
         assert_eq!(item.example_value().parse(), Ok(crate::dynamics::DEFAULT_COURANT_NUMBER));
     }

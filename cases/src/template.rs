@@ -154,8 +154,8 @@ pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
             (_, TemplateKind::BlockySimulation) => EXAMPLE_BLOCKY_RUN,
             _ => EXAMPLE_SOLID_RUN,
         };
-        for form in simulation_schemas(kind) {
-            blocks.add_section(form, start);
+        for table_schema in simulation_schemas(kind) {
+            blocks.add_section(table_schema, start);
         }
         return text + "\n" + &blocks.into_text();
     }

@@ -99,12 +99,14 @@ impl ValueType {
                 format!("a list of {} finite numbers", scope.dimensions())
             }
             Self::PointCounts => "a whole number of at least 2".into(),
-            Self::OneOf(words) => format!("one of {}", words(scope).join(", ")),
-            Self::AnyOf(words) => format!("a list with any of {}", words(scope).join(", ")),
-            Self::Table(form) => {
+            Self::OneOf(allowed_names) => format!("one of {}", allowed_names(scope).join(", ")),
+            Self::AnyOf(allowed_names) => {
+                format!("a list with any of {}", allowed_names(scope).join(", "))
+            }
+            Self::Table(table_schema) => {
                 let mut text = String::from("a table { kind = ..., ... }");
-                if let Some((item, words)) = form.discriminator() {
-                    let _ = write!(text, " ({}: {})", item.name, words.join(", "));
+                if let Some((item, names)) = table_schema.discriminator() {
+                    let _ = write!(text, " ({}: {})", item.name, names.join(", "));
                 }
                 text
             }

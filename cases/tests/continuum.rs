@@ -4,7 +4,7 @@ use models::interface::continuum::OpeningLimit;
 use wellposed_cases::dynamics::{InitialStateTerm, StateComponent};
 use wellposed_cases::{Case, CaseError, ContinuumOptions, EquivalentContinuum};
 
-const MODEL: &str = "
+const CASE_SECTIONS: &str = "
 [model]
 kind = 'classical'
 lambda = 1.89e10
@@ -19,22 +19,22 @@ origin = [-0.2, -0.2]
 [time]
 duration = 1e-4
 ";
-const ELASTIC_LAYER: &str = "thickness = 1e-3
+const ELASTIC_LAYER_KEYS: &str = "thickness = 1e-3
 density = 1500
 longitudinal_speed = 1000
 shear_speed = 500
 ";
-const ELASTIC_KIND: &str = "[[joint]]\nevery = 'all'\nkind = 'elastic'\n";
+const ELASTIC_JOINTS: &str = "[[joint]]\nevery = 'all'\nkind = 'elastic'\n";
 
 fn elastic_case() -> String {
-    format!("{MODEL}{ELASTIC_KIND}{ELASTIC_LAYER}")
+    format!("{CASE_SECTIONS}{ELASTIC_JOINTS}{ELASTIC_LAYER_KEYS}")
 }
 
-fn convert(text: &str, sets: &[&str]) -> Result<EquivalentContinuum, CaseError> {
-    convert_with(text, sets, &ContinuumOptions::default())
+fn convert_to_continuum(text: &str, sets: &[&str]) -> Result<EquivalentContinuum, CaseError> {
+    convert_with_options(text, sets, &ContinuumOptions::default())
 }
 
-fn convert_with(
+fn convert_with_options(
     text: &str,
     sets: &[&str],
     options: &ContinuumOptions,
@@ -43,9 +43,10 @@ fn convert_with(
     Case::parse(text, "blocks.toml", &sets)?.to_equivalent_continuum(options)
 }
 
-/// Constants for three thicknesses δ of the layers, m: a₁, b₁, a₂, b₂ in 10⁻¹² 1/Pa; α₂; ρ₀, J₀; K_t h/μ.
+/// Constants for three thicknesses δ of the layers, m: a₁, b₁, a₂, b₂ in 10⁻¹² 1/Pa; α₂, N; ρ₀, kg/m³, and J₀, kg/m;
+/// K_t h/μ.
 #[allow(clippy::type_complexity, reason = "a row of the table")]
-const TABLE: [(f64, [f64; 4], f64, [f64; 2], f64); 3] = [
+const REFERENCE_CONSTANTS: [(f64, [f64; 4], f64, [f64; 2], f64); 3] = [
     (1e-4, [17.40844, 4.501029, 15.6214, -10.28807], 1.197e7, [2706.0, 1.12625], 7.7),
     (1e-3, [29.40844, 4.501029, 63.6214, -10.28807], 7.084e6, [2760.0, 1.1375], 0.77),
     (5e-3, [82.74177, 4.501029, 276.9547, -10.28807], 2.518e6, [3000.0, 1.1875], 0.154),
@@ -53,9 +54,10 @@ const TABLE: [(f64, [f64; 4], f64, [f64; 2], f64); 3] = [
 
 #[test]
 fn written_constants_are_those_of_the_table() {
-    for (thickness, compliances, alpha2, inertias, ratio) in TABLE {
-        let found = convert(&elastic_case(), &[&format!("joint[0].thickness={thickness:e}")])
-            .expect("a medium");
+    for (thickness, compliances, alpha2, inertias, ratio) in REFERENCE_CONSTANTS {
+        let found =
+            convert_to_continuum(&elastic_case(), &[&format!("joint[0].thickness={thickness:e}")])
+                .expect("a medium");
         let value = |name: &str| found.case.number(&format!("model.{name}")).expect("a number");
         let is_close = |found: f64, expected: f64, tolerance: f64| {
             assert!((found / expected - 1.0).abs() < tolerance, "{found} for {expected}");
@@ -75,7 +77,7 @@ fn written_constants_are_those_of_the_table() {
 fn grid_has_the_extent_of_the_blocks() {
     for cells_per_block in [1, 3] {
         let options = ContinuumOptions { cells_per_block, ..ContinuumOptions::default() };
-        let found = convert_with(&elastic_case(), &[], &options).expect("a medium");
+        let found = convert_with_options(&elastic_case(), &[], &options).expect("a medium");
         let grid = &found.case.solid_run.as_ref().expect("a simulation").grid;
         assert_eq!(grid.cells, [8 * cells_per_block, 4 * cells_per_block]);
         for (axis, expected) in [[-0.2, 0.2], [-0.2, 0.0]].into_iter().enumerate() {
@@ -86,13 +88,13 @@ fn grid_has_the_extent_of_the_blocks() {
         assert_eq!(found.case.name, "blocks-continuum");
     }
     let none = ContinuumOptions { cells_per_block: 0, ..ContinuumOptions::default() };
-    assert!(convert_with(&elastic_case(), &[], &none).is_err());
+    assert!(convert_with_options(&elastic_case(), &[], &none).is_err());
 }
 
 #[test]
 fn joints_that_slip_give_the_interlayer_yield_set() {
     let slipping = format!(
-        "{MODEL}[[joint]]\nevery = 'all'\nkind = 'breaking'\n{ELASTIC_LAYER}shear_strength = 1e6\nshear_friction = 0.5\ntensile_strength = 5e5\n"
+        "{CASE_SECTIONS}[[joint]]\nevery = 'all'\nkind = 'breaking'\n{ELASTIC_LAYER_KEYS}shear_strength = 1e6\nshear_friction = 0.5\ntensile_strength = 5e5\n"
     );
     for (opening_limit, arm) in
         [(OpeningLimit::FirstOpening, 0.05 / 6.0), (OpeningLimit::Overturning, 0.025)]
@@ -100,7 +102,7 @@ fn joints_that_slip_give_the_interlayer_yield_set() {
         let options = ContinuumOptions { opening_limit, ..ContinuumOptions::default() };
         // Without fracture the tensile strength is that of the apex, τ_s/k_s.
         for (set, tension) in [("joint[0].fracture=true", 5e5), ("joint[0].fracture=false", 2e6)] {
-            let found = convert_with(&slipping, &[set], &options).expect("a medium");
+            let found = convert_with_options(&slipping, &[set], &options).expect("a medium");
             let value = |name: &str| found.case.number(&format!("yield.{name}")).expect("a number");
             assert_eq!(found.case.material.yield_set.map(|set| set.name), Some("interlayer"));
             assert_eq!([value("shear_strength"), value("shear_friction")], [1e6, 0.5]);
@@ -108,16 +110,18 @@ fn joints_that_slip_give_the_interlayer_yield_set() {
             assert!((value("couple_strength") / (arm * tension) - 1.0).abs() < 1e-12);
         }
     }
-    assert!(convert(&elastic_case(), &[]).expect("a medium").yield_set.is_none());
-    let fixed = convert(&slipping, &["joint[0].slip_hardening=1e9"]).expect_err("hardening");
+    assert!(convert_to_continuum(&elastic_case(), &[]).expect("a medium").yield_set.is_none());
+    let fixed =
+        convert_to_continuum(&slipping, &["joint[0].slip_hardening=1e9"]).expect_err("hardening");
     assert!(fixed.to_string().contains("joint[0].slip_hardening"), "{fixed}");
-    let smooth = convert(&slipping, &["joint[0].shear_friction=0", "joint[0].fracture=false"]);
+    let smooth =
+        convert_to_continuum(&slipping, &["joint[0].shear_friction=0", "joint[0].fracture=false"]);
     assert!(smooth.expect_err("unlimited couples").to_string().contains("shear_friction"));
 }
 
-/// The rest of the case is carried over, with the components of a Cosserat solid.
+/// Boundary conditions, loads, initial state, receivers and output are converted to the components of a Cosserat solid.
 #[test]
-fn sections_are_carried_over() {
+fn other_sections_are_converted_to_a_cosserat_solid() {
     let text = format!(
         "title = 'Blocks'\n{}
 [[boundary]]
@@ -198,7 +202,7 @@ picture = 'sigma12'
     for name in ["v1", "sigma12", "sigma21", "w3", "u1"] {
         assert_eq!(fields.iter().filter(|own| *own == name).count(), 1, "{fields:?}");
     }
-    // The text is read again as the same case.
+    // The written text is parsed to the same case.
     let again = Case::parse(&found.case.to_toml(), "blocks-continuum.toml", &[]).expect("a case");
     assert_eq!(again.to_toml(), found.case.to_toml());
 }
@@ -213,13 +217,15 @@ lambda = 1e9
 mu = 1e9
 density = 2000
 ";
-    let plain = format!("{MODEL}{ELASTIC_KIND}{ELASTIC_LAYER}");
+    let plain = format!("{CASE_SECTIONS}{ELASTIC_JOINTS}{ELASTIC_LAYER_KEYS}");
     let second = "[[joint]]\nevery = 'x2'\nkind = 'elastic'\nthickness = 2e-3\ndensity = 1500\nlongitudinal_speed = 1000\nshear_speed = 500\n";
-    let cracked = format!("{MODEL}[[joint]]\nevery = 'all'\nkind = 'cracked'\n{ELASTIC_LAYER}");
+    let cracked =
+        format!("{CASE_SECTIONS}[[joint]]\nevery = 'all'\nkind = 'cracked'\n{ELASTIC_LAYER_KEYS}");
     let viscous = format!(
-        "{MODEL}[[joint]]\nevery = 'all'\nkind = 'viscous'\n{ELASTIC_LAYER}delayed_compliance = 1e-9\nviscosity = 7500\n"
+        "{CASE_SECTIONS}[[joint]]\nevery = 'all'\nkind = 'viscous'\n{ELASTIC_LAYER_KEYS}delayed_compliance = 1e-9\nviscosity = 7500\n"
     );
-    let one_axis = format!("{MODEL}[[joint]]\nevery = 'x1'\nkind = 'elastic'\n{ELASTIC_LAYER}");
+    let one_axis =
+        format!("{CASE_SECTIONS}[[joint]]\nevery = 'x1'\nkind = 'elastic'\n{ELASTIC_LAYER_KEYS}");
     let wave = "[[initial]]\nkind = 'plane-wave'\nbranch = 1\nwavelength = 0.1\namplitude = 1.0\n";
     let cases: [(String, &[&str], &str, &str); 9] = [
         (without_blocks.to_owned(), &[], "block", "add [[block]]"),
@@ -243,7 +249,7 @@ density = 2000
         (plain, &["block[0].repeat=[8, 1]"], "joint", "repeat"),
     ];
     for (text, sets, key, remedy) in cases {
-        let error = convert(&text, sets).expect_err(key);
+        let error = convert_to_continuum(&text, sets).expect_err(key);
         let CaseError::Key { key: found, allowed, .. } = &error else { panic!("{error}") };
         assert!(found == key && allowed.contains(remedy), "{key}: {error}");
         println!("{error}");

@@ -25,7 +25,7 @@ fn collect_list_paths(value: &toml::Value, path: &mut Vec<String>, found: &mut V
     }
 }
 
-fn list_at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
+fn find_list<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
     path.iter().fold(value, |value, name| match value {
         toml::Value::Array(items) => &mut items[name.parse::<usize>().expect("an index")],
         toml::Value::Table(table) => table.get_mut(name).expect("a key"),
@@ -71,7 +71,7 @@ impl ListChange {
 
 /// Cases refused by the program only, since the error depends on several items or tables: no perturbation left,
 /// duplicate receiver names, an empty list of fields, a periodic face without its opposite face, a recorded integral
-/// that is not computed, a second region `rest`, no blocks, a block twice in the same place.
+/// that is not computed, a second region `rest`, no blocks, two blocks in the same cells.
 const PROGRAM_ONLY_ERRORS: [&str; 11] = [
     "block Empty",
     "block Shorter",
@@ -113,7 +113,7 @@ fn modified_lists_are_rejected_by_schema_and_program() {
         for path in found {
             for change in ListChange::ALL {
                 let mut own = value.clone();
-                let list = list_at(&mut own, &path);
+                let list = find_list(&mut own, &path);
                 if list.as_array().is_some_and(|items| items.len() > MAX_LIST_LENGTH) {
                     continue;
                 }

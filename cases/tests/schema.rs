@@ -24,15 +24,15 @@ const ALL_TEMPLATES: [TemplateKind; 3] =
 fn collect_all_keys() -> KeyNames {
     let mut names: KeyNames = keys().iter().map(|key| key.name.to_owned()).collect();
     for (_, forms) in all_schemas() {
-        for form in forms {
-            collect_schema_keys(&mut names, form.name, form);
+        for table_schema in forms {
+            collect_schema_keys(&mut names, table_schema.name, table_schema);
         }
     }
     names
 }
 
-fn collect_schema_keys(names: &mut KeyNames, path: &str, form: &'static TableSchema) {
-    for (_, item) in form.keys() {
+fn collect_schema_keys(names: &mut KeyNames, path: &str, table_schema: &'static TableSchema) {
+    for (_, item) in table_schema.keys() {
         let name = format!("{path}.{}", item.name);
         if let ValueType::Table(inner) | ValueType::TableList(inner) = item.value_type {
             collect_schema_keys(names, &name, inner);
@@ -44,10 +44,10 @@ fn collect_schema_keys(names: &mut KeyNames, path: &str, form: &'static TableSch
 /// Returns the former names of sections and of keys by section.
 fn former_names() -> KeyNames {
     let schemas = all_schemas().into_iter().flat_map(|(_, forms)| forms);
-    let in_schema = |form: &'static TableSchema| {
-        let keys = form.keys().filter_map(|(_, item)| item.former_name);
-        let keys = keys.map(|name| format!("{}.{name}", form.name));
-        form.former_name.map(str::to_owned).into_iter().chain(keys)
+    let in_schema = |table_schema: &'static TableSchema| {
+        let keys = table_schema.keys().filter_map(|(_, item)| item.former_name);
+        let keys = keys.map(|name| format!("{}.{name}", table_schema.name));
+        table_schema.former_name.map(str::to_owned).into_iter().chain(keys)
     };
     schemas.flat_map(in_schema).collect()
 }

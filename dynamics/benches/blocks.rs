@@ -1,8 +1,8 @@
 //! Blocky media: rates for each kind of joint against the undivided solid, and time per block and step T(N) against the
 //! number of blocks N.
 //!
-//! `cargo bench -p wellposed-dynamics --bench blocks -- kinds` and `… -- count`; blocks have 10 × 10 cells. Rounds of
-//! all rows of a table are interleaved, and the fastest of each counts.
+//! `cargo bench -p wellposed-dynamics --bench blocks -- kinds` and `… -- count`; blocks have 10 × 10 cells.
+//! Rounds of all rows of a table are interleaved, and the fastest of each counts.
 
 use models::interface::elastic::ElasticMaterial;
 use models::interface::layer::LayerLaw;
@@ -26,21 +26,21 @@ const BLOCK_CELLS: usize = 10;
 /// Edge length of a block, m.
 const BLOCK_LENGTH: f64 = 0.05;
 
-/// Layers of 1 mm: density 1500 kg/m³, speeds 1000 and 500 m/s.
-const LAYER: ElasticMaterial = ElasticMaterial {
+/// Elastic material of the joints: thickness 1 mm, density 1500 kg/m³, P and S wave speeds 1000 and 500 m/s.
+const LAYER_MATERIAL: ElasticMaterial = ElasticMaterial {
     thickness: 1e-3,
     density: 1500.0,
     longitudinal_speed: 1000.0,
     shear_speed: 500.0,
 };
 
-/// Shear strength, Pa, below the stresses of the random initial state.
-const STRENGTH: PlasticConstants =
+/// Constants of plastic joints: the shear strength, Pa, is below the stresses of the random initial state.
+const JOINT_CONSTANTS: PlasticConstants =
     PlasticConstants { shear_strength: 1e4, friction: 0.5, hardening: 0.0 };
 
-/// Returns each kind of joint by name; `None`: no joints.
-fn kinds() -> Vec<(&'static str, Option<LayerLaw<f64>>)> {
-    let law = |material: LayerMaterial| Some(material.law(MassDistribution::Box));
+/// Builds the law of each kind of joint, with the name of the kind; `None` stands for the undivided solid.
+fn build_joint_laws() -> Vec<(&'static str, Option<LayerLaw<f64>>)> {
+    let law = |material: LayerMaterial| Some(material.to_law(MassDistribution::Box));
     let compliance = 1.0 / (1500.0 * 500.0 * 500.0);
     let viscous =
         ViscousConstants { delayed_compliance: 2.0 * compliance, viscosity: 2e-5 / compliance };
@@ -59,18 +59,18 @@ fn kinds() -> Vec<(&'static str, Option<LayerLaw<f64>>)> {
     };
     vec![
         ("none", None),
-        ("elastic", law(LayerMaterial::Elastic(LAYER))),
-        ("elastic-plastic", law(LayerMaterial::Plastic(LAYER, STRENGTH))),
-        ("viscous", law(LayerMaterial::Viscous(LAYER, viscous))),
-        ("porous", law(LayerMaterial::Porous(LAYER, pores, TangentialConstants::Elastic))),
+        ("elastic", law(LayerMaterial::Elastic(LAYER_MATERIAL))),
+        ("elastic-plastic", law(LayerMaterial::Plastic(LAYER_MATERIAL, JOINT_CONSTANTS))),
+        ("viscous", law(LayerMaterial::Viscous(LAYER_MATERIAL, viscous))),
+        ("porous", law(LayerMaterial::Porous(LAYER_MATERIAL, pores, TangentialConstants::Elastic))),
         ("saturated", law(LayerMaterial::Saturated(saturated))),
-        ("cracked", law(LayerMaterial::Cracked(LAYER, Some(0.5)))),
-        ("breaking", law(LayerMaterial::Breaking(LAYER, STRENGTH, 1e4))),
+        ("cracked", law(LayerMaterial::Cracked(LAYER_MATERIAL, Some(0.5)))),
+        ("breaking", law(LayerMaterial::Breaking(LAYER_MATERIAL, JOINT_CONSTANTS, 1e4))),
     ]
 }
 
-/// Creates a medium of `blocks` × `blocks` blocks with a random velocity in each cell.
-fn create_domain(
+/// Builds a domain of `blocks` × `blocks` blocks with random initial velocities; `law` is that of all joints.
+fn build_domain(
     blocks: usize,
     law: Option<LayerLaw<f64>>,
     threads: usize,
@@ -106,26 +106,26 @@ fn create_domain(
                 (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
             })
             .collect();
-        domain.set(SolidField::Velocity(axis), &values);
+        domain.set_field(SolidField::Velocity(axis), &values);
     }
     domain.initialise_interlayers();
     domain
 }
 
-/// Times `steps` steps, s per step.
+/// Measures the time of one step, s, as mean over `steps` steps.
 fn time_steps(domain: &mut DecomposedDomain<f64, 2>, steps: usize) -> f64 {
     let start = Instant::now();
     domain.advance(steps).expect("threads");
     start.elapsed().as_secs_f64() / steps as f64
 }
 
-/// Compares the kinds of joints in 100 × 100 blocks, one thread.
-fn compare_kinds() {
+/// Measures the rate of the solver for each kind of joint in 100 × 100 blocks, on one thread.
+fn compare_joint_kinds() {
     let blocks = 100;
     let cells = (blocks * BLOCK_CELLS).pow(2) as f64;
-    let mut rows: Vec<_> = kinds()
+    let mut rows: Vec<_> = build_joint_laws()
         .into_iter()
-        .map(|(name, law)| (name, create_domain(blocks, law, 1), f64::INFINITY))
+        .map(|(name, law)| (name, build_domain(blocks, law, 1), f64::INFINITY))
         .collect();
     for _ in 0..9 {
         for (_, domain, fastest) in &mut rows {
@@ -142,33 +142,39 @@ fn compare_kinds() {
 }
 
 /// Measures the time per block and step against the number of blocks.
-fn compare_counts() {
+fn compare_block_counts() {
     println!("| joints | threads | blocks N | ns per block and step |");
     println!("|---|---|---|---|");
-    for (name, law) in kinds().into_iter().filter(|own| ["elastic", "saturated"].contains(&own.0)) {
+    for (name, law) in
+        build_joint_laws().into_iter().filter(|own| ["elastic", "saturated"].contains(&own.0))
+    {
         for threads in [1, 2] {
-            for side in [10, 18, 32, 56, 100, 178, 316] {
-                let mut domain = create_domain(side, law, threads);
-                let count = (side * side) as f64;
+            for blocks_per_side in [10, 18, 32, 56, 100, 178, 316] {
+                let mut domain = build_domain(blocks_per_side, law, threads);
+                let count = (blocks_per_side * blocks_per_side) as f64;
                 let steps = (40_000.0 / count).ceil().max(2.0) as usize;
                 let times = (0..5).map(|_| time_steps(&mut domain, steps));
                 let fastest = times.fold(f64::INFINITY, f64::min);
-                println!("| {name} | {threads} | {} | {:.0} |", side * side, 1e9 * fastest / count);
+                println!(
+                    "| {name} | {threads} | {} | {:.0} |",
+                    blocks_per_side * blocks_per_side,
+                    1e9 * fastest / count
+                );
             }
         }
     }
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_wanted = |table: &str| {
-        let mut tables = words.iter().filter(|word| !word.starts_with("--")).peekable();
+        let mut tables = arguments.iter().filter(|word| !word.starts_with("--")).peekable();
         tables.peek().is_none() || tables.any(|word| word == table)
     };
     if is_wanted("kinds") {
-        compare_kinds();
+        compare_joint_kinds();
     }
     if is_wanted("count") {
-        compare_counts();
+        compare_block_counts();
     }
 }

@@ -32,9 +32,9 @@ fn build_problem<const D: usize>(theory: Theory, cell_count: usize) -> Problem<D
     let medium = build_medium(theory, D);
     let grid = Grid { cells: [cell_count; D], spacing: [0.1; D] };
     let step = 0.18 / medium.max_speed();
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
-    Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme)
+    Problem::new(grid, vec![medium], vec![0; grid.count()], boundaries, step, scheme)
 }
 
 /// Measures the time of the fastest round of each solver, s per cell and step.
@@ -54,10 +54,13 @@ fn measure_fastest<const D: usize>(
     best
 }
 
-fn fill_with_noise<const D: usize>(solver: &mut DecomposedDomain<f64, D>, cell_count: usize) {
+fn fill_fields_with_noise<const D: usize>(
+    solver: &mut DecomposedDomain<f64, D>,
+    cell_count: usize,
+) {
     for (index, field) in solver.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| noise((cell + 31 * index) as u64);
-        solver.set(field, &(0..cell_count).map(value).collect::<Vec<_>>());
+        solver.set_field(field, &(0..cell_count).map(value).collect::<Vec<_>>());
     }
     solver.advance(2).expect("threads");
 }
@@ -66,18 +69,19 @@ fn compare_decompositions<const D: usize>(
     theory: Theory,
     cells: usize,
     steps: usize,
-    cuts: &[[usize; D]],
+    subdomain_counts: &[[usize; D]],
 ) {
     let problem = build_problem::<D>(theory, cells);
     let cell_count = problem.grid.count();
-    let split = |parts: &[usize; D]| {
-        let mut split = DecomposedDomain::with_subdomains(0, &problem, *parts).expect("room");
-        fill_with_noise(&mut split, cell_count);
-        split
+    let decomposed = |parts: &[usize; D]| {
+        let mut decomposed = DecomposedDomain::with_subdomains(0, &problem, *parts).expect("room");
+        fill_fields_with_noise(&mut decomposed, cell_count);
+        decomposed
     };
-    let mut solvers: Vec<DecomposedDomain<f64, D>> = cuts.iter().map(split).collect();
+    let mut solvers: Vec<DecomposedDomain<f64, D>> =
+        subdomain_counts.iter().map(decomposed).collect();
     let times = measure_fastest(&mut solvers, cell_count, steps);
-    for (parts, time) in cuts.iter().zip(&times) {
+    for (parts, time) in subdomain_counts.iter().zip(&times) {
         let rate = 2.0 / time / 1e6;
         println!("| {theory:?} {cells}^{D} | {parts:?} | {rate:.1} | {:.2} |", times[0] / time);
     }
@@ -98,10 +102,10 @@ fn compare_metric(cells: usize, steps: usize) {
     let mut solvers: Vec<_> = [plain, polar]
         .iter()
         .map(|problem| {
-            let mut split: DecomposedDomain<f64, 2> =
+            let mut decomposed: DecomposedDomain<f64, 2> =
                 DecomposedDomain::new(problem, 1).expect("sound");
-            fill_with_noise(&mut split, cell_count);
-            split
+            fill_fields_with_noise(&mut decomposed, cell_count);
+            decomposed
         })
         .collect();
     let times = measure_fastest(&mut solvers, cell_count, steps);

@@ -19,15 +19,15 @@ use wellposed_dynamics::flow::{Closure, FlowProblem, FlowSolver};
 fn median_seconds(mut call: impl FnMut()) -> f64 {
     const MEASURED_CALLS: usize = 9;
     call();
-    let mut all: Vec<f64> = (0..MEASURED_CALLS)
+    let mut durations: Vec<f64> = (0..MEASURED_CALLS)
         .map(|_| {
             let clock = Instant::now();
             call();
             clock.elapsed().as_secs_f64()
         })
         .collect();
-    all.sort_by(f64::total_cmp);
-    all[MEASURED_CALLS / 2]
+    durations.sort_by(f64::total_cmp);
+    durations[MEASURED_CALLS / 2]
 }
 
 /// Returns simple shear with a closure (constitutive model of granular flow) on a grid of `points` × `points` points.
@@ -45,16 +45,16 @@ fn build_problem(closure: Closure, points: usize) -> FlowProblem {
 fn build_flow(problem: &FlowProblem) -> FlowSolver {
     let mut flow = FlowSolver::new(problem).expect("a problem");
     let [columns, rows] = problem.points;
-    let at = |point: usize, axis: usize| {
+    let coordinate = |point: usize, axis: usize| {
         let index = [point % columns, point / columns][axis];
         std::f64::consts::TAU * index as f64 / problem.points[axis] as f64
     };
-    let all = |value: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-        (0..columns * rows).map(|point| value(at(point, 0), at(point, 1))).collect()
+    let sample = |value: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+        (0..columns * rows).map(|point| value(coordinate(point, 0), coordinate(point, 1))).collect()
     };
-    let v1 = all(&|_, y| 0.02 * y.cos() + 0.01 * (3.0 * y).sin());
-    let v2 = all(&|x, _| 0.03 * x.sin() + 0.01 * (2.0 * x).cos());
-    let internal_variable = all(&|x, y| 0.1 * (x + y).cos());
+    let v1 = sample(&|_, y| 0.02 * y.cos() + 0.01 * (3.0 * y).sin());
+    let v2 = sample(&|x, _| 0.03 * x.sin() + 0.01 * (2.0 * x).cos());
+    let internal_variable = sample(&|x, y| 0.1 * (x + y).cos());
     flow.perturb([&v1, &v2], &internal_variable).expect("a stress");
     flow
 }
@@ -86,19 +86,19 @@ fn print_rows(points: usize, threads: usize) {
     });
     let transform = 0.5 * pair;
     for closure in [Closure::HarrisGrekova, Closure::DoubleShearing, Closure::PlasticPotential] {
-        let mut own = build_flow(&build_problem(closure, points));
+        let mut flow = build_flow(&build_problem(closure, points));
         // The step is long enough for many stages, so that the time per evaluation is the same as in a complete run.
         let step = 2e-5 * (512.0 / points as f64).powi(2);
-        own.advance_by(step, 0).expect("a stress");
-        let [evaluations, iterations] = own.evaluation_counts();
+        flow.advance_by(step, 0).expect("a stress");
+        let [evaluations, iterations] = flow.evaluation_counts();
         let clock = Instant::now();
         for _ in 0..3 {
-            own.advance_by(step, 0).expect("a stress");
+            flow.advance_by(step, 0).expect("a stress");
         }
         let time = clock.elapsed().as_secs_f64();
-        let [more, further] = own.evaluation_counts();
+        let [later_evaluations, later_iterations] = flow.evaluation_counts();
         let (evaluations, iterations) =
-            ((more - evaluations) as f64, (further - iterations) as f64);
+            ((later_evaluations - evaluations) as f64, (later_iterations - iterations) as f64);
         // Transforms per evaluation. Pressure: three in each iteration and in each of the two residuals. Others (11):
         // two velocities, three velocity gradients, p, cos 2ψ, sin 2ψ, the source of p, two stresses. Internal
         // variable: ω or ψ and its two fluxes; for ψ also its rotation rate.

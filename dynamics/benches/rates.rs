@@ -44,8 +44,8 @@ enum MediaDistribution {
 struct BenchmarkRow {
     dimensions: usize,
     theory: Theory,
-    /// Cells along each axis.
-    count: usize,
+    /// Number of cells along each axis.
+    cells_per_axis: usize,
     media: MediaDistribution,
     is_single_precision: bool,
     threads: usize,
@@ -55,11 +55,19 @@ struct BenchmarkRow {
 
 impl BenchmarkRow {
     fn name(&self) -> String {
-        let Self { dimensions, theory, count, media, threads, is_reference, instructions, .. } =
-            self;
+        let Self {
+            dimensions,
+            theory,
+            cells_per_axis,
+            media,
+            threads,
+            is_reference,
+            instructions,
+            ..
+        } = self;
         let bits = if self.is_single_precision { "f32" } else { "f64" };
         let plain = if *is_reference { " reference" } else { "" };
-        let name = format!("{dimensions}D {theory:?} {count} {media:?} {bits} {threads}t");
+        let name = format!("{dimensions}D {theory:?} {cells_per_axis} {media:?} {bits} {threads}t");
         format!("{name} {instructions:?}{plain}").to_lowercase()
     }
 }
@@ -78,37 +86,38 @@ fn unit_noise(index: usize) -> f64 {
     0.5 * noise::noise(index as u64) + 0.5
 }
 
-fn build_media<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Vec<u16>) {
-    let count = row.count.pow(D as u32);
-    let own = build_medium(row.theory, D, 1.0);
-    let both = vec![own.clone(), build_medium(row.theory, D, 0.6)];
+fn build_media_and_cells<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Vec<u16>) {
+    let count = row.cells_per_axis.pow(D as u32);
+    let medium = build_medium(row.theory, D, 1.0);
+    let two_media = vec![medium.clone(), build_medium(row.theory, D, 0.6)];
     let yielding = |strength: f64| {
-        vec![own.clone().with_yield_set(YieldSet::from(Mises::new_von_mises(strength)))]
+        vec![medium.clone().with_yield_set(YieldSet::from(Mises::new_von_mises(strength)))]
     };
-    let same = vec![0; count];
-    let layer = row.count.pow(D as u32 - 1);
+    let single_medium = vec![0; count];
+    let layer = row.cells_per_axis.pow(D as u32 - 1);
     match row.media {
-        MediaDistribution::Elastic | MediaDistribution::Tails => (vec![own], same),
-        MediaDistribution::Yielding => (yielding(1e-3), same),
-        MediaDistribution::Strong => (yielding(1e3), same),
+        MediaDistribution::Elastic | MediaDistribution::Tails => (vec![medium], single_medium),
+        MediaDistribution::Yielding => (yielding(1e-3), single_medium),
+        MediaDistribution::Strong => (yielding(1e3), single_medium),
         MediaDistribution::Layers => {
-            let of = |cell: usize| (cell / layer * 20 / row.count % 2) as u16;
-            (both, (0..count).map(of).collect())
+            let layer_medium = |cell: usize| (cell / layer * 20 / row.cells_per_axis % 2) as u16;
+            (two_media, (0..count).map(layer_medium).collect())
         }
         MediaDistribution::Inclusions => {
-            let mut cell_media = same;
-            let radius = 0.04 * row.count as f64;
+            let mut cell_media = single_medium;
+            let radius = 0.04 * row.cells_per_axis as f64;
             for inclusion in 0..50 {
-                let middle: [f64; D] =
-                    std::array::from_fn(|axis| unit_noise(3 * inclusion + axis) * row.count as f64);
+                let middle: [f64; D] = std::array::from_fn(|axis| {
+                    unit_noise(3 * inclusion + axis) * row.cells_per_axis as f64
+                });
                 for (cell, medium) in cell_media.iter_mut().enumerate() {
                     let mut rest = cell;
                     let square: f64 = middle
                         .iter()
                         .map(|middle| {
-                            let place = (rest % row.count) as f64;
-                            rest /= row.count;
-                            (place - middle) * (place - middle)
+                            let index = (rest % row.cells_per_axis) as f64;
+                            rest /= row.cells_per_axis;
+                            (index - middle) * (index - middle)
                         })
                         .sum();
                     if square < radius * radius {
@@ -116,10 +125,10 @@ fn build_media<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Vec<u16>) {
                     }
                 }
             }
-            (both, cell_media)
+            (two_media, cell_media)
         }
         MediaDistribution::EachCell => {
-            (both, (0..count).map(|i| u16::from(unit_noise(i) < 0.5)).collect())
+            (two_media, (0..count).map(|i| u16::from(unit_noise(i) < 0.5)).collect())
         }
     }
 }
@@ -165,10 +174,10 @@ impl<T: SolverReal, const D: usize> MeasuredSolver<T, D> {
         Self::Fused(split)
     }
 
-    fn set(&mut self, field: SolidField, values: &[T]) {
+    fn set_field(&mut self, field: SolidField, values: &[T]) {
         match self {
-            Self::Fused(own) => own.set(field, values),
-            Self::Reference(own) => own.set(field, values),
+            Self::Fused(own) => own.set_field(field, values),
+            Self::Reference(own) => own.set_field(field, values),
         }
     }
 
@@ -188,7 +197,7 @@ impl<T: SolverReal, const D: usize> MeasuredSolver<T, D> {
 }
 
 fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement {
-    let (media, cell_media) = build_media::<D>(row);
+    let (media, cell_media) = build_media_and_cells::<D>(row);
     let count = cell_media.len();
     let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     // Slopes and splitting are the defaults of case files.
@@ -198,15 +207,16 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
         splitting: Splitting::Alternating,
         ..Scheme::new(slopes, PlasticStep::ReturnMapping)
     };
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };
-    let problem = Problem::new(grid, media, cell_media, sides, 0.9 * 2.0 * 0.1 / speed, scheme);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let grid = Grid { cells: [row.cells_per_axis; D], spacing: [0.1; D] };
+    let problem =
+        Problem::new(grid, media, cell_media, boundaries, 0.9 * 2.0 * 0.1 / speed, scheme);
     let mut solver = MeasuredSolver::new(&problem, row);
     let fields = problem.media[0].fields.clone();
-    let layer = row.count.pow(D as u32 - 1);
+    let layer = row.cells_per_axis.pow(D as u32 - 1);
     for (index, field) in fields.iter().enumerate() {
         let value = |i: usize| {
-            let tail = (i / layer) as f64 / row.count as f64 - 0.1;
+            let tail = (i / layer) as f64 / row.cells_per_axis as f64 - 0.1;
             let size = if row.media == MediaDistribution::Tails {
                 (-2000.0 * tail.max(0.0)).exp()
             } else {
@@ -214,7 +224,7 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
             };
             T::from_f64(size * (unit_noise(i + 31 * index) - 0.5))
         };
-        solver.set(*field, &(0..count).map(value).collect::<Vec<_>>());
+        solver.set_field(*field, &(0..count).map(value).collect::<Vec<_>>());
     }
     solver.advance(2);
     // Rounds are short, so that some run without disturbance by other processes, yet long compared with starting the
@@ -291,12 +301,12 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
         (false, false, 1, MediaDistribution::Elastic);
     let mut rows = Vec::new();
     let sizes = [(2, 500), (2, 1000), (2, 4000), (3, 64), (3, 150), (3, 158), (3, 256)];
-    for (dimensions, count) in sizes {
+    for (dimensions, cells_per_axis) in sizes {
         for theory in [Theory::Classical, Theory::Cosserat] {
             let row = BenchmarkRow {
                 dimensions,
                 theory,
-                count,
+                cells_per_axis,
                 media,
                 is_single_precision,
                 threads,
@@ -304,15 +314,15 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
                 instructions,
             };
             // 158 cells and the ghosts of a row fill all SIMD lanes in single and in double precision.
-            if count == 158 {
+            if cells_per_axis == 158 {
                 rows.extend(
                     [false, true]
                         .map(|is_single_precision| BenchmarkRow { is_single_precision, ..row }),
                 );
                 continue;
             }
-            let is_middle = [1000, 150].contains(&count);
-            if count == 500 || count == 64 {
+            let is_middle = [1000, 150].contains(&cells_per_axis);
+            if cells_per_axis == 500 || cells_per_axis == 64 {
                 rows.push(BenchmarkRow { is_reference: true, ..row });
             }
             if is_middle {
@@ -321,13 +331,13 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
             }
             for threads in [1, 2] {
                 rows.push(BenchmarkRow { threads, ..row });
-                if count == 500 || count == 64 {
+                if cells_per_axis == 500 || cells_per_axis == 64 {
                     continue;
                 }
                 rows.push(BenchmarkRow { threads, is_single_precision: true, ..row });
                 rows.push(BenchmarkRow { threads, media: MediaDistribution::Strong, ..row });
                 rows.push(BenchmarkRow { threads, media: MediaDistribution::Yielding, ..row });
-                if count != 256 {
+                if cells_per_axis != 256 {
                     rows.push(BenchmarkRow { threads, media: MediaDistribution::EachCell, ..row });
                 }
                 if is_middle && threads == 1 {

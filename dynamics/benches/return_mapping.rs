@@ -20,7 +20,7 @@ use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
-/// Cells along each axis.
+/// Number of cells along each axis.
 const CELLS_PER_AXIS: usize = 500;
 
 /// Addition to the plain configuration: initial stress, midpoint reflection, or a second kind of yield set.
@@ -35,12 +35,12 @@ enum Configuration {
     TwoKinds,
 }
 
-fn build_media(theory: Theory, kind: Configuration, strength: f64) -> Vec<Medium> {
+fn build_media(theory: Theory, configuration: Configuration, strength: f64) -> Vec<Medium> {
     let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
     let couple = (theory == Theory::Cosserat).then_some(couple);
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
     let rotation = (theory != Theory::Classical).then_some(rotation);
-    let own = Medium::new(Isotropic::new(1.4, 0.9, 1.2, rotation).expect("sound moduli"), 2);
+    let medium = Medium::new(Isotropic::new(1.4, 0.9, 1.2, rotation).expect("sound moduli"), 2);
     let is_cosserat = theory == Theory::Cosserat;
     let cone = Mises {
         antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
@@ -49,9 +49,9 @@ fn build_media(theory: Theory, kind: Configuration, strength: f64) -> Vec<Medium
         // No friction: with friction, tensile noise returns to the apex, which is handled by the scalar projection.
         ..Mises::new_von_mises(strength)
     };
-    let mut media = vec![own.clone().with_yield_set(YieldSet::from(cone))];
-    if kind == Configuration::TwoKinds {
-        media.push(own.with_yield_set(YieldSet::from(InterlayerYieldSet {
+    let mut media = vec![medium.clone().with_yield_set(YieldSet::from(cone))];
+    if configuration == Configuration::TwoKinds {
+        media.push(medium.with_yield_set(YieldSet::from(InterlayerYieldSet {
             shear_strength: strength,
             shear_friction: 0.3,
             shear_dilatancy: 0.3,
@@ -65,17 +65,21 @@ fn build_media(theory: Theory, kind: Configuration, strength: f64) -> Vec<Medium
     media
 }
 
-/// Creates a domain with stresses far beyond the yield set if `yields` is true, else far inside it.
-fn build_domain<T: SolverReal>(theory: Theory, kind: Configuration, yields: bool) -> Domain<T, 2> {
-    let strength = if yields { 0.02 } else { 1e3 };
-    let media = build_media(theory, kind, strength);
+/// Creates a domain with stresses far beyond the yield set if `is_yielding` is true, else far inside it.
+fn build_domain<T: SolverReal>(
+    theory: Theory,
+    configuration: Configuration,
+    is_yielding: bool,
+) -> Domain<T, 2> {
+    let strength = if is_yielding { 0.02 } else { 1e3 };
+    let media = build_media(theory, configuration, strength);
     let count = CELLS_PER_AXIS * CELLS_PER_AXIS;
-    let is_other = |cell: usize| {
-        kind == Configuration::TwoKinds && cell / CELLS_PER_AXIS < CELLS_PER_AXIS / 10
+    let has_second_kind = |cell: usize| {
+        configuration == Configuration::TwoKinds && cell / CELLS_PER_AXIS < CELLS_PER_AXIS / 10
     };
-    let cell_media = (0..count).map(|cell| u16::from(is_other(cell))).collect();
+    let cell_media = (0..count).map(|cell| u16::from(has_second_kind(cell))).collect();
     let step = 0.9 * 0.2 / media[0].max_speed();
-    let plastic_step = if kind == Configuration::SecondOrder {
+    let plastic_step = if configuration == Configuration::SecondOrder {
         PlasticStep::MidpointReflection
     } else {
         PlasticStep::ReturnMapping
@@ -83,9 +87,9 @@ fn build_domain<T: SolverReal>(theory: Theory, kind: Configuration, yields: bool
     let scheme =
         Scheme { splitting: Splitting::Alternating, ..Scheme::new(Slopes::Limited, plastic_step) };
     let grid = Grid { cells: [CELLS_PER_AXIS; 2], spacing: [0.1; 2] };
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let mut problem = Problem::new(grid, media, cell_media, sides, step, scheme);
-    if kind == Configuration::Gravity {
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let mut problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
+    if configuration == Configuration::Gravity {
         let stress = |layer: usize| {
             let mut stress = Stress::default();
             for axis in 0..3 {
@@ -98,7 +102,7 @@ fn build_domain<T: SolverReal>(theory: Theory, kind: Configuration, yields: bool
     let mut domain: Domain<T, 2> = Domain::new(&problem).expect("a sound problem");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| T::from_f64(0.5 * noise::noise((cell + index * count) as u64));
-        domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
+        domain.set_field(field, &(0..count).map(value).collect::<Vec<_>>());
     }
     domain
 }
@@ -133,28 +137,31 @@ fn measure_rows<T: SolverReal>(theory: Theory) {
         Configuration::SecondOrder,
         Configuration::TwoKinds,
     ];
-    for yields in [false, true] {
-        let mut domains = CONFIGURATIONS.map(|kind| build_domain::<T>(theory, kind, yields));
+    for is_yielding in [false, true] {
+        let mut domains = CONFIGURATIONS
+            .map(|configuration| build_domain::<T>(theory, configuration, is_yielding));
         let mut seconds = [f64::INFINITY; CONFIGURATIONS.len()];
         for _ in 0..9 {
-            for (domain, least) in domains.iter().zip(&mut seconds) {
-                let mut own = domain.clone();
-                (0..2).for_each(|_| own.advance());
+            for (domain, shortest) in domains.iter().zip(&mut seconds) {
+                let mut working_copy = domain.clone();
+                (0..2).for_each(|_| working_copy.advance());
                 let start = thread_cpu_time();
-                (0..4).for_each(|_| own.advance());
-                *least = least.min((thread_cpu_time() - start) / 4.0);
+                (0..4).for_each(|_| working_copy.advance());
+                *shortest = shortest.min((thread_cpu_time() - start) / 4.0);
             }
         }
-        for ((domain, kind), least) in domains.iter_mut().zip(CONFIGURATIONS).zip(seconds) {
+        for ((domain, configuration), shortest) in
+            domains.iter_mut().zip(CONFIGURATIONS).zip(seconds)
+        {
             (0..6).for_each(|_| domain.advance());
             let before = domain.ledger().plastic_dissipation;
             domain.advance();
             let dissipated = domain.ledger().plastic_dissipation - before;
-            let what = if yields { "yielding" } else { "never" };
+            let label = if is_yielding { "yielding" } else { "never" };
             println!(
-                "| {name} {kind:?} {what} | {:.1} | {:.2} | {dissipated:.1e} |",
-                2.0 * (CELLS_PER_AXIS * CELLS_PER_AXIS) as f64 / least / 1e6,
-                seconds[0] / least
+                "| {name} {configuration:?} {label} | {:.1} | {:.2} | {dissipated:.1e} |",
+                2.0 * (CELLS_PER_AXIS * CELLS_PER_AXIS) as f64 / shortest / 1e6,
+                seconds[0] / shortest
             );
         }
     }

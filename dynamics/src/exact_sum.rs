@@ -16,7 +16,7 @@ const MAX_PENDING_TERMS: u32 = 1 << 30;
 /// Number of terms per vector in [`ExactSum::add_terms`].
 const GROUP_SIZE: usize = 8;
 /// Maximum number of splitting levels of [`ExactSum::add_terms`].
-const MAX_LEVELS: usize = 3;
+const MAX_SPLIT_LEVELS: usize = 3;
 
 /// Exact sum of `f64` terms.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl Default for ExactSum {
 }
 
 impl ExactSum {
-    /// Adds a term.
+    /// Adds a term to the sum, exactly.
     #[inline]
     pub(crate) fn add(&mut self, term: f64) {
         // Fast path: many cells are at rest in typical states.
@@ -52,12 +52,12 @@ impl ExactSum {
         }
         // Subnormal numbers have the exponent of the smallest normal ones and no implicit leading bit.
         let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
-        let place = exponent.saturating_sub(1);
-        let (digit, shift) = (place / DIGIT_BITS, place % DIGIT_BITS);
+        let bit_position = exponent.saturating_sub(1);
+        let (digit, shift) = (bit_position / DIGIT_BITS, bit_position % DIGIT_BITS);
         let shifted = u128::from(mantissa) << shift;
         let sign = 1 - 2 * (bits >> 63) as i64;
-        for (own, part) in self.digits[digit..digit + 3].iter_mut().zip([0, 1, 2]) {
-            *own += sign * i64::from((shifted >> (part * DIGIT_BITS)) as u32);
+        for (digit_sum, position) in self.digits[digit..digit + 3].iter_mut().zip([0, 1, 2]) {
+            *digit_sum += sign * i64::from((shifted >> (position * DIGIT_BITS)) as u32);
         }
         self.remaining_terms -= 1;
         if self.remaining_terms == 0 {
@@ -71,32 +71,32 @@ impl ExactSum {
     /// For the anchor A = 3/2 · 2ᵉ, with e so large that no partial sum of the terms t reaches 2ᵉ, h = (t + A) − A is t
     /// rounded to a multiple of ulp(A), t − h is exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel
     /// reproducible summation*). The remainders t − h are split in the same way. They are added one by one after
-    /// [`MAX_LEVELS`] levels, or if e is outside −900 … 899.
+    /// [`MAX_SPLIT_LEVELS`] levels, or if e is outside −900 … 899.
     #[inline(always)]
     pub(crate) fn add_terms(&mut self, terms: &mut [f64]) {
-        let (groups, rest) = terms.as_chunks_mut::<GROUP_SIZE>();
+        let (groups, ungrouped) = terms.as_chunks_mut::<GROUP_SIZE>();
         let mut levels = 0;
         loop {
             // Bit patterns of absolute values are ordered like the values; non-finite ones are largest.
-            let mut greatest = [0_u64; GROUP_SIZE];
+            let mut largest_bits = [0_u64; GROUP_SIZE];
             for group in groups.iter() {
-                for (greatest, term) in greatest.iter_mut().zip(group) {
-                    *greatest = (*greatest).max(term.abs().to_bits());
+                for (largest_bits, term) in largest_bits.iter_mut().zip(group) {
+                    *largest_bits = (*largest_bits).max(term.abs().to_bits());
                 }
             }
-            let greatest = greatest.into_iter().fold(0, u64::max);
-            if greatest == 0 {
-                break rest.iter().for_each(|term| self.add(*term));
+            let largest_bits = largest_bits.into_iter().fold(0, u64::max);
+            if largest_bits == 0 {
+                break ungrouped.iter().for_each(|term| self.add(*term));
             }
             // Exponent e of the anchor A: that of the largest term, plus log₂ of the number of terms in groups (rounded
             // up to a power of two), plus two.
             let bits = (GROUP_SIZE * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
-            let exponent = (greatest >> 52) as i32 - 1023 + bits;
-            if levels == MAX_LEVELS || !(-900..900).contains(&exponent) {
+            let exponent = (largest_bits >> 52) as i32 - 1023 + bits;
+            if levels == MAX_SPLIT_LEVELS || !(-900..900).contains(&exponent) {
                 break groups
                     .as_flattened()
                     .iter()
-                    .chain(rest.iter())
+                    .chain(ungrouped.iter())
                     .for_each(|term| self.add(*term));
             }
             levels += 1;
@@ -114,40 +114,40 @@ impl ExactSum {
     }
 
     /// Adds all terms of another accumulator.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        let mut other = other.clone();
-        other.propagate_carries();
+    pub(crate) fn merge(&mut self, addend: &Self) {
+        let mut addend = addend.clone();
+        addend.propagate_carries();
         self.propagate_carries();
-        for (own, digit) in self.digits.iter_mut().zip(other.digits) {
+        for (own, digit) in self.digits.iter_mut().zip(addend.digits) {
             *own += digit;
         }
         self.remaining_terms -= 1;
-        self.non_finite_sum += other.non_finite_sum;
+        self.non_finite_sum += addend.non_finite_sum;
     }
 
     /// Propagates carries: all digits but the highest are then in 0 … 2³² − 1.
     fn propagate_carries(&mut self) {
         let mut carry = 0;
-        let (last, rest) = self.digits.split_last_mut().expect("there are digits");
-        for digit in rest {
+        let (highest_digit, lower_digits) = self.digits.split_last_mut().expect("there are digits");
+        for digit in lower_digits {
             let sum = *digit + carry;
             carry = sum >> DIGIT_BITS;
             *digit = sum & ((1 << DIGIT_BITS) - 1);
         }
-        *last += carry;
+        *highest_digit += carry;
         self.remaining_terms = MAX_PENDING_TERMS;
     }
 
     /// Returns the sign of the sum and the digits of its absolute value, all in 0 … 2³² − 1.
     fn sign_and_magnitude(&self) -> (f64, [i64; DIGIT_COUNT]) {
-        let mut own = self.clone();
-        own.propagate_carries();
-        if own.digits[DIGIT_COUNT - 1] >= 0 {
-            return (1.0, own.digits);
+        let mut normalised = self.clone();
+        normalised.propagate_carries();
+        if normalised.digits[DIGIT_COUNT - 1] >= 0 {
+            return (1.0, normalised.digits);
         }
-        own.digits.iter_mut().for_each(|digit| *digit = -*digit);
-        own.propagate_carries();
-        (-1.0, own.digits)
+        normalised.digits.iter_mut().for_each(|digit| *digit = -*digit);
+        normalised.propagate_carries();
+        (-1.0, normalised.digits)
     }
 
     /// Returns the sum, rounded to nearest; +0 if it is zero, the sum of the non-finite terms if there are any.
@@ -219,7 +219,7 @@ mod tests {
         (0..count).map(|_| term()).collect()
     }
 
-    fn exact_sum(terms: &[f64]) -> ExactSum {
+    fn sum_exactly(terms: &[f64]) -> ExactSum {
         terms.iter().copied().collect()
     }
 
@@ -231,13 +231,13 @@ mod tests {
                 random_terms(seed, 50, 1e6).into_iter().map(|term| (term * 2e14).trunc());
             let integers: Vec<f64> = integers.collect();
             let exact: i128 = integers.iter().map(|term| *term as i128).sum();
-            assert_eq!(exact_sum(&integers).to_f64(), exact as f64, "{seed}");
+            assert_eq!(sum_exactly(&integers).to_f64(), exact as f64, "{seed}");
             // At the lower end of the range: exact multiples of the smallest subnormal number.
-            let least: Vec<f64> =
+            let smallest: Vec<f64> =
                 random_terms(seed, 50, 1e3).iter().map(|term| (term * 1e3).trunc()).collect();
-            let exact: f64 = least.iter().sum();
-            let subnormal: Vec<f64> = least.iter().map(|term| term * 5e-324).collect();
-            assert_eq!(exact_sum(&subnormal).to_f64(), exact * 5e-324, "{seed}");
+            let exact: f64 = smallest.iter().sum();
+            let subnormal: Vec<f64> = smallest.iter().map(|term| term * 5e-324).collect();
+            assert_eq!(sum_exactly(&subnormal).to_f64(), exact * 5e-324, "{seed}");
         }
     }
 
@@ -245,34 +245,35 @@ mod tests {
     fn ties_are_rounded_to_even() {
         let one = 1.0;
         let half = f64::EPSILON / 2.0;
-        assert_eq!(exact_sum(&[one, half]).to_f64(), 1.0);
-        assert_eq!(exact_sum(&[one, half, 1e-300]).to_f64(), 1.0 + f64::EPSILON);
-        assert_eq!(exact_sum(&[one, half, -1e-300]).to_f64(), 1.0);
-        assert_eq!(exact_sum(&[1.0 + f64::EPSILON, half]).to_f64(), 1.0 + 2.0 * f64::EPSILON);
-        assert_eq!(exact_sum(&[-one, -half, -1e-300]).to_f64(), -1.0 - f64::EPSILON);
+        assert_eq!(sum_exactly(&[one, half]).to_f64(), 1.0);
+        assert_eq!(sum_exactly(&[one, half, 1e-300]).to_f64(), 1.0 + f64::EPSILON);
+        assert_eq!(sum_exactly(&[one, half, -1e-300]).to_f64(), 1.0);
+        assert_eq!(sum_exactly(&[1.0 + f64::EPSILON, half]).to_f64(), 1.0 + 2.0 * f64::EPSILON);
+        assert_eq!(sum_exactly(&[-one, -half, -1e-300]).to_f64(), -1.0 - f64::EPSILON);
     }
 
     #[test]
     fn order_and_merging_do_not_matter() {
         for seed in 0..50 {
-            let mut all = random_terms(seed, 300, 1e90);
+            let mut terms = random_terms(seed, 300, 1e90);
             // Sums with almost complete cancellation.
-            all.extend(
+            terms.extend(
                 random_terms(seed, 300, 1e90).iter().map(|term| -term * (1.0 + f64::EPSILON)),
             );
-            let expected = exact_sum(&all).to_f64().to_bits();
+            let expected = sum_exactly(&terms).to_f64().to_bits();
             let mut random = RandomNumbers::new(seed + 1000);
             for _ in 0..5 {
-                for last in (1..all.len()).rev() {
-                    all.swap(last, random.uniform_index(last + 1));
+                for last in (1..terms.len()).rev() {
+                    terms.swap(last, random.uniform_index(last + 1));
                 }
-                let cut = random.uniform_index(all.len());
-                let (mut one, other) = (exact_sum(&all[cut..]), exact_sum(&all[..cut]));
-                one.merge(&other);
-                assert_eq!(one.to_f64().to_bits(), expected, "{seed}");
-                let stored = one.to_terms();
+                let cut = random.uniform_index(terms.len());
+                let (mut upper_part, lower_part) =
+                    (sum_exactly(&terms[cut..]), sum_exactly(&terms[..cut]));
+                upper_part.merge(&lower_part);
+                assert_eq!(upper_part.to_f64().to_bits(), expected, "{seed}");
+                let stored = upper_part.to_terms();
                 assert!(stored.len() < 30);
-                assert_eq!(exact_sum(&stored).to_f64().to_bits(), expected, "{seed}");
+                assert_eq!(sum_exactly(&stored).to_f64().to_bits(), expected, "{seed}");
             }
         }
     }
@@ -284,17 +285,17 @@ mod tests {
         for seed in 0..300 {
             let (count, range) =
                 ([0, 1, 7, 8, 64, 333, 5000][seed % 7], [2.0, 1e9, 1e90, 1e250][seed % 4]);
-            let mut all = random_terms(seed as u64, count, range);
+            let mut terms = random_terms(seed as u64, count, range);
             if seed % 3 == 0 {
-                all.iter_mut().step_by(2).for_each(|term| *term = 0.0);
+                terms.iter_mut().step_by(2).for_each(|term| *term = 0.0);
             }
             if seed % 11 == 0 && count > 9 {
-                all[9] = [f64::NAN, f64::INFINITY, f64::MAX, 5e-324][seed % 4];
+                terms[9] = [f64::NAN, f64::INFINITY, f64::MAX, 5e-324][seed % 4];
             }
-            let expected = exact_sum(&all);
+            let expected = sum_exactly(&terms);
             let mut found = ExactSum::default();
             found.add(0.1);
-            found.add_terms(&mut all);
+            found.add_terms(&mut terms);
             found.add(-0.1);
             let [found, expected] =
                 [found, expected].map(|sum| (sum.to_f64().to_bits(), sum.to_terms().len()));
@@ -307,10 +308,10 @@ mod tests {
     fn terms_of_one_sign_are_summed_exactly() {
         for seed in 0..20 {
             let mut random = RandomNumbers::new(seed);
-            let mut all: Vec<f64> = (0..8192).map(|_| random.uniform(1.9, 2.0)).collect();
-            let expected = exact_sum(&all).to_f64();
+            let mut terms: Vec<f64> = (0..8192).map(|_| random.uniform(1.9, 2.0)).collect();
+            let expected = sum_exactly(&terms).to_f64();
             let mut found = ExactSum::default();
-            found.add_terms(&mut all);
+            found.add_terms(&mut terms);
             assert_eq!(found.to_f64(), expected, "{seed}");
         }
     }
@@ -318,18 +319,18 @@ mod tests {
     #[test]
     fn extreme_and_non_finite_terms_are_summed_exactly() {
         assert_eq!(ExactSum::default().to_f64().to_bits(), 0.0_f64.to_bits());
-        assert_eq!(exact_sum(&[1e300, 1.0, -1e300]).to_f64(), 1.0);
-        assert_eq!(exact_sum(&[f64::MAX, f64::MAX]).to_f64(), f64::INFINITY);
-        assert_eq!(exact_sum(&[f64::MAX, f64::MAX, -f64::MAX]).to_f64(), f64::MAX);
-        assert_eq!(exact_sum(&[5e-324, -1e-323]).to_f64(), -5e-324);
-        assert_eq!(exact_sum(&[f64::MIN_POSITIVE, -5e-324]).to_f64(), f64::MIN_POSITIVE - 5e-324);
-        assert!(exact_sum(&[1.0, f64::NAN]).to_f64().is_nan());
-        assert_eq!(exact_sum(&[1.0, f64::NEG_INFINITY]).to_f64(), f64::NEG_INFINITY);
+        assert_eq!(sum_exactly(&[1e300, 1.0, -1e300]).to_f64(), 1.0);
+        assert_eq!(sum_exactly(&[f64::MAX, f64::MAX]).to_f64(), f64::INFINITY);
+        assert_eq!(sum_exactly(&[f64::MAX, f64::MAX, -f64::MAX]).to_f64(), f64::MAX);
+        assert_eq!(sum_exactly(&[5e-324, -1e-323]).to_f64(), -5e-324);
+        assert_eq!(sum_exactly(&[f64::MIN_POSITIVE, -5e-324]).to_f64(), f64::MIN_POSITIVE - 5e-324);
+        assert!(sum_exactly(&[1.0, f64::NAN]).to_f64().is_nan());
+        assert_eq!(sum_exactly(&[1.0, f64::NEG_INFINITY]).to_f64(), f64::NEG_INFINITY);
         // Digits that exceed 32 bits many times over, with a single carry propagation in `to_f64`.
-        let many = 5_000_000;
-        let ones: ExactSum = (0..many).map(|_| 0.1).collect();
+        let term_count = 5_000_000;
+        let ones: ExactSum = (0..term_count).map(|_| 0.1).collect();
         // The double nearest to 0.1 is 3602879701896397 / 2^55.
-        let exact = 3_602_879_701_896_397_i128 * many;
+        let exact = 3_602_879_701_896_397_i128 * term_count;
         assert_eq!(ones.to_f64(), exact as f64 / 55_f64.exp2());
     }
 }

@@ -47,10 +47,10 @@ const STEP_ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Callback before an evaluation of the right-hand side, called with the time of the evaluation, s.
 pub type EvaluationCallback<'a> = &'a mut dyn FnMut(f64);
 
-/// A field of a flow.
+/// Field of a granular flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlowField {
-    /// Component 0 or 1 of v − Γx, m/s.
+    /// Component 0 or 1 of the velocity perturbation v′ = v − Γx, m/s.
     Velocity(usize),
     /// The spin ω, rad/s.
     Spin,
@@ -63,11 +63,11 @@ pub enum FlowField {
     ShearRate,
 }
 
-/// A point has left the fully deforming region, the equations have no solution, or no step is possible.
+/// Error: a point has left the fully deforming region, the equations have no solution, or no step is possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{description}")]
 pub struct LeftDomain {
-    /// Description with values.
+    /// Description of the failure, with the values that cause it.
     pub description: String,
     /// Position in the initial box, m; `None` if no single point is concerned.
     pub position: Option<[f64; 2]>,
@@ -76,14 +76,15 @@ pub struct LeftDomain {
 }
 
 /// Energy ledger of the perturbation: energy and works since time 0 per volume, J/m³. v′: velocity perturbation; ⟨⟩:
-/// mean over the box; qN: deviatoric stress with q = p sin φ + c cos φ and N = \[\[cos 2ψ, sin 2ψ\], \[sin 2ψ, −cos 2ψ\]\].
+/// mean over the box; qN: deviatoric stress with q = p sin φ + c cos φ and N = \[\[cos 2ψ, sin 2ψ\], \[sin 2ψ, −cos
+/// 2ψ\]\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowEnergy {
-    /// Kinetic energy ½ρ⟨|v′|²⟩.
+    /// Kinetic energy ½ρ⟨|v′|²⟩ of the perturbation, J/m³.
     pub kinetic: f64,
-    /// Work of the background flow, −∫ρ⟨v′·Γv′⟩dt.
+    /// Work of the background flow, −∫ρ⟨v′·Γv′⟩dt, J/m³.
     pub background_work: f64,
-    /// Work of the stress, −∫⟨qN : ∇v′⟩dt.
+    /// Work of the stress, −∫⟨qN : ∇v′⟩dt, J/m³.
     pub stress_work: f64,
     /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³, with the shear rate Q_D and Δ = ψ_D − ψ, the angle from the major
     /// principal stress to the major principal deformation rate.
@@ -93,14 +94,14 @@ pub struct FlowEnergy {
 /// State of a flow, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowSnapshot {
-    /// Number of steps done.
+    /// Number of steps done since time 0.
     pub steps: usize,
     /// Arrays in a fixed order: numbers of the step size control, state, pressure modes, eigenvector estimate of the
     /// power method.
     pub arrays: Vec<Vec<f64>>,
 }
 
-/// Step size control.
+/// State of the step size control.
 #[derive(Clone, Debug)]
 struct StepControl {
     /// Next step size, s; NaN if it must be estimated (before the first step and after perturbing).
@@ -198,6 +199,7 @@ impl FlowSolver {
         self.apply_or_restore(|flow| flow.add_perturbation(velocity, internal_variable))
     }
 
+    /// Adds perturbations as [`perturb`](Self::perturb) does; if this fails, the fields are undefined.
     fn add_perturbation(
         &mut self,
         velocity: [&[f64]; 2],
@@ -280,43 +282,46 @@ impl FlowSolver {
         })
     }
 
+    /// Makes the result of a step the present state; `time`: end of the step, s.
     fn accept_step(&mut self, state: Vec<Complex64>, rates: Vec<Complex64>, time: f64) {
         (self.state, self.rates, self.time) = (state, rates, time);
         (self.steps, self.control.steps_since_estimate) =
             (self.steps + 1, self.control.steps_since_estimate + 1);
     }
 
+    /// Makes one step towards the time `until`, s, as [`advance_with`](Self::advance_with) does; if this fails, the
+    /// state is undefined.
     fn step_towards(
         &mut self,
         until: f64,
         on_evaluation: EvaluationCallback,
     ) -> Result<(), LeftDomain> {
-        let rest = until - self.time;
+        let remaining_time = until - self.time;
         if self.control.step.is_nan() {
             self.control.spectral_radius = self.estimate_spectral_radius(on_evaluation)?;
-            self.control.step = self.estimate_first_step(rest, on_evaluation)?;
+            self.control.step = self.estimate_first_step(remaining_time, on_evaluation)?;
         }
         self.update_spectral_radius(on_evaluation)?;
         let start = self.equations.pressure.clone();
-        let (mut cuts, mut last_left) = (0, None);
+        let (mut reductions, mut last_left) = (0, None);
         loop {
             // In a step the box deforms by at most `MAX_STEP_SHEAR`. The remaining time is divided into equal steps, to
             // avoid a very short last one.
-            let sheared =
+            let step_shear =
                 (self.time - self.control.estimate_time) * self.gradient_norm() + MAX_STEP_SHEAR;
-            let fastest = self.control.spectral_radius * (2.0 * sheared).cr_exp();
+            let fastest = self.control.spectral_radius * (2.0 * step_shear).cr_exp();
             let longest = self
                 .control
                 .step
                 .min(MAX_STEP_SHEAR / self.gradient_norm())
                 .min(0.9 * stability_limit(MAX_STAGES) / fastest);
-            let step = rest / (rest / longest).ceil().max(1.0);
-            let end = if step == rest { until } else { self.time + step };
+            let step = remaining_time / (remaining_time / longest).ceil().max(1.0);
+            let end = if step == remaining_time { until } else { self.time + step };
             if end <= self.time {
                 // Report the point whose failure made the steps this short, if any.
-                let stuck =
+                let limiting_failure =
                     || self.error_without_position("a step is below the rounding of the time");
-                return Err(last_left.unwrap_or_else(stuck));
+                return Err(last_left.unwrap_or_else(limiting_failure));
             }
             match self.try_step(step, end, 0, on_evaluation) {
                 Ok((state, rates, error)) if error <= 1.0 => {
@@ -333,17 +338,17 @@ impl FlowSolver {
                 Ok((.., error)) if error.is_finite() => {
                     self.control.step = step * (0.8 * error.cr_powf(-1.0 / 3.0)).clamp(0.1, 0.8);
                 }
-                Ok(_) if cuts >= MAX_STEP_REDUCTIONS => {
+                Ok(_) if reductions >= MAX_STEP_REDUCTIONS => {
                     return Err(self.error_without_position("no step has finite values"));
                 }
-                Err(left) if cuts >= MAX_STEP_REDUCTIONS => return Err(left),
+                Err(left) if reductions >= MAX_STEP_REDUCTIONS => return Err(left),
                 Err(left) => {
                     last_left = Some(left);
                     self.control.step = 0.25 * step;
                 }
                 Ok(_) => self.control.step = 0.25 * step,
             }
-            cuts += 1;
+            reductions += 1;
             self.equations.pressure.copy_from_slice(&start);
             // Near the boundary of the fully deforming region the estimate itself may fail.
             if self.control.steps_since_estimate > 0
@@ -355,9 +360,9 @@ impl FlowSolver {
         }
     }
 
-    /// Error without a position.
-    fn error_without_position(&self, what: &str) -> LeftDomain {
-        LeftDomain { description: what.to_owned(), position: None, time: self.time }
+    /// Creates the error of a failure that concerns no single point.
+    fn error_without_position(&self, description: &str) -> LeftDomain {
+        LeftDomain { description: description.to_owned(), position: None, time: self.time }
     }
 
     /// Computes a step of size `step`, s, that ends at time `end`, s. Returns state and time derivative after it, and
@@ -371,9 +376,9 @@ impl FlowSolver {
     ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), LeftDomain> {
         // Decay rates depend on length and direction of the wave vectors, which change at the rate |Γ| at most: the
         // spectral radius grows by a factor exp(2|Γ|t) at most.
-        let ahead = end - self.control.estimate_time;
+        let elapsed = end - self.control.estimate_time;
         let product =
-            step * self.control.spectral_radius * (2.0 * self.gradient_norm() * ahead).cr_exp();
+            step * self.control.spectral_radius * (2.0 * self.gradient_norm() * elapsed).cr_exp();
         self.stage_count = required_stages(product).max(min_stages);
         if self.stage_count > MAX_STAGES {
             return Err(self.error_without_position(&format!(
@@ -537,12 +542,12 @@ impl FlowSolver {
         Ok(step)
     }
 
-    /// Returns the time, s.
+    /// Returns the time of the present state, s.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Returns the number of steps done.
+    /// Returns the number of steps done since time 0.
     pub fn steps(&self) -> usize {
         self.steps
     }

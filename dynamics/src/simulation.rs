@@ -10,8 +10,8 @@
 //!    account or a snapshot is due. The observer receives the records of these steps and the accounts and snapshots
 //!    that are due, then the simulation itself (progress, checkpoints).
 //! 4. A run ends at its duration, by a fault (an unsound state), by an error of the observer (which is how it is
-//!    interrupted), or if the threads of the solver cannot be started. After a fault the simulation is at its last sound state, whose records and account are delivered if
-//!    they have not been.
+//!    interrupted), or if the threads of the solver cannot be started. After a fault the simulation is at its last
+//!    sound state, whose records and account are delivered if they have not been.
 //!
 //! Steps do not depend on the output. A run resumed from a saved [`SimulationState`] delivers the same bits as an
 //! uninterrupted one. This module writes no files; observers do.
@@ -35,7 +35,7 @@ use std::collections::BTreeMap;
 /// State of a simulation, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulationState {
-    /// Number of steps done.
+    /// Number of steps done since time 0.
     pub steps: usize,
     /// Time of the state, s.
     pub time: f64,
@@ -61,6 +61,7 @@ fn number_sections(
     sections.enumerate().map(move |(index, own)| (format!("{name}{index}"), own))
 }
 
+/// Encodes `f64` values as little-endian bytes.
 fn to_bytes(numbers: &[f64]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
@@ -74,7 +75,7 @@ fn from_bytes(bytes: &[u8]) -> Option<Vec<f64>> {
 /// Reason why a simulation was not advanced.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AdvanceError<F> {
-    /// A state is unsound.
+    /// Fault of an unsound state.
     Fault(F),
     /// The threads of the solver cannot be started.
     Threads(ThreadStartError),
@@ -83,7 +84,7 @@ pub enum AdvanceError<F> {
 /// Reason why a run ended without an outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RunError<E> {
-    /// Error of the observer.
+    /// Error that the observer returned.
     Observer(E),
     /// The threads of the solver cannot be started.
     Threads(ThreadStartError),
@@ -95,22 +96,22 @@ impl<E> From<ThreadStartError> for RunError<E> {
     }
 }
 
-/// A state that can be advanced step by step.
+/// Time-domain simulation: a state that is advanced step by step, and its output.
 pub trait Simulation {
     /// Energies of a state and the work and dissipation of the steps so far.
     type Account: Clone;
-    /// All output fields of a state.
+    /// Output fields of a state.
     type Fields;
     /// Reason why the simulation cannot continue.
     type Fault;
 
-    /// Number of steps done.
+    /// Returns the number of steps done since time 0.
     fn steps(&self) -> usize;
 
-    /// Time of the state, s.
+    /// Returns the time of the present state, s.
     fn time(&self) -> f64;
 
-    /// Whether the duration is over.
+    /// Whether the state has reached the end of the duration.
     fn is_finished(&self) -> bool;
 
     /// Compares `time`, s, with the time of the state: `Less` if it is earlier, `Equal` up to rounding.
@@ -133,17 +134,17 @@ pub trait Simulation {
     fn advance(&mut self, due: f64) -> Result<(), AdvanceError<Self::Fault>>;
 
     /// Returns to the last sound state after a fault, and returns the fault of the state that follows it. If steps must
-    /// be repeated, `go_on` is called before each batch of them.
+    /// be repeated, `before_batch` is called before each batch of them.
     ///
     /// # Errors
-    /// The first error of `go_on`, or the threads of the solver cannot be started; the simulation is unusable
+    /// The first error of `before_batch`, or the threads of the solver cannot be started; the simulation is unusable
     /// afterwards.
     fn recover<E: From<ThreadStartError>>(
         &mut self,
         fault: Self::Fault,
-        go_on: impl FnMut() -> Result<(), E>,
+        before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<Self::Fault, E> {
-        let _ = go_on;
+        let _ = before_batch;
         Ok(fault)
     }
 
@@ -226,27 +227,27 @@ pub trait Observer<S: Simulation> {
     fn on_steps_done(&mut self, simulation: &S, last: &S::Account) -> Result<(), Self::Error>;
 }
 
-/// Output fields at an output time.
+/// Snapshot that is due: output fields at an output time.
 #[derive(Clone, Debug)]
 pub struct DueSnapshot<F> {
     /// Index of the output time, from 0.
     pub index: usize,
     /// Output time, s.
     pub time: f64,
-    /// Fields at this time.
+    /// Output fields at this time.
     pub fields: F,
 }
 
-/// Output times.
+/// Times at which accounts and snapshots are due.
 #[derive(Clone, Copy, Debug)]
 pub struct OutputTimes {
-    /// Times of accounts.
+    /// Times at which accounts are due.
     pub accounts: RegularTimes,
-    /// Times of snapshots, if any.
+    /// Times at which snapshots are due; `None` without snapshots.
     pub snapshots: Option<RegularTimes>,
 }
 
-/// Result of a run.
+/// Result of a run: its last account, and the fault that ended it, if any.
 #[derive(Clone, Debug)]
 pub struct SimulationOutcome<S: Simulation> {
     /// Account of the last state.
@@ -288,14 +289,15 @@ pub fn run_simulation<S: Simulation, O: Observer<S>>(
     Ok(SimulationOutcome { last_account: driver.last_account, fault })
 }
 
-/// Cause of an early end of a run.
+/// Cause of the end of a run before its duration is over.
 enum EarlyEndCause<F, E> {
     Fault(F),
     Run(RunError<E>),
 }
 
 impl<F, E> EarlyEndCause<F, E> {
-    fn observer(error: E) -> Self {
+    /// Creates the cause from an error of the observer.
+    fn from_observer(error: E) -> Self {
         Self::Run(RunError::Observer(error))
     }
 }
@@ -303,12 +305,12 @@ impl<F, E> EarlyEndCause<F, E> {
 type DriverResult<S, O> =
     Result<(), EarlyEndCause<<S as Simulation>::Fault, <O as Observer<S>>::Error>>;
 
-/// State of a run in progress.
+/// Run in progress: simulation, observer, and what has been delivered so far.
 struct RunDriver<'a, S: Simulation, O> {
     simulation: &'a mut S,
     observer: &'a mut O,
     output: &'a OutputTimes,
-    /// Number of accounts delivered.
+    /// Number of accounts delivered or, in a resumed run, due before.
     account_count: usize,
     /// Number of snapshots delivered.
     snapshot_count: usize,
@@ -317,18 +319,20 @@ struct RunDriver<'a, S: Simulation, O> {
 }
 
 impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
+    /// Runs to the end of the duration or to an early end, and delivers the output.
     fn run_to_end(&mut self, is_resumed: bool) -> DriverResult<S, O> {
         self.simulation.check_state().map_err(EarlyEndCause::Fault)?;
         let start = if is_resumed { Ok(()) } else { self.deliver_due_output() };
         match start.and_then(|()| self.run_steps()) {
             Err(EarlyEndCause::Fault(fault)) => {
-                self.deliver_last_state().map_err(EarlyEndCause::observer)?;
+                self.deliver_last_state().map_err(EarlyEndCause::from_observer)?;
                 Err(EarlyEndCause::Fault(fault))
             }
             end => end,
         }
     }
 
+    /// Advances in batches of steps to the end of the duration, and delivers the output that is due.
     fn run_steps(&mut self) -> DriverResult<S, O> {
         while !self.simulation.is_finished() {
             let due = self.next_output_time();
@@ -336,16 +340,16 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
                 Ok(()) => {}
                 Err(AdvanceError::Threads(error)) => return Err(EarlyEndCause::Run(error.into())),
                 Err(AdvanceError::Fault(fault)) => {
-                    let go_on = || self.observer.on_replay().map_err(RunError::Observer);
+                    let before_batch = || self.observer.on_replay().map_err(RunError::Observer);
                     let found =
-                        self.simulation.recover(fault, go_on).map_err(EarlyEndCause::Run)?;
+                        self.simulation.recover(fault, before_batch).map_err(EarlyEndCause::Run)?;
                     return Err(EarlyEndCause::Fault(found));
                 }
             }
             self.deliver_due_output()?;
             self.observer
                 .on_steps_done(self.simulation, &self.last_account)
-                .map_err(EarlyEndCause::observer)?;
+                .map_err(EarlyEndCause::from_observer)?;
         }
         Ok(())
     }
@@ -359,22 +363,25 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
 
     /// Delivers all records, and the accounts and snapshots that are due.
     fn deliver_due_output(&mut self) -> DriverResult<S, O> {
-        self.deliver_probe_records().map_err(EarlyEndCause::observer)?;
+        self.deliver_probe_records().map_err(EarlyEndCause::from_observer)?;
         while let Some(time) = self.reached_time(self.output.accounts, self.account_count) {
             self.last_account = self.simulation.account_at(time).map_err(EarlyEndCause::Fault)?;
-            self.observer.on_account(&self.last_account).map_err(EarlyEndCause::observer)?;
+            self.observer.on_account(&self.last_account).map_err(EarlyEndCause::from_observer)?;
             self.account_count += 1;
         }
         let Some(times) = self.output.snapshots else { return Ok(()) };
         while let Some(time) = self.reached_time(times, self.snapshot_count) {
             let fields = self.simulation.fields_at(time).map_err(EarlyEndCause::Fault)?;
             let due = DueSnapshot { index: self.snapshot_count, time, fields };
-            self.observer.on_snapshot(self.simulation, due).map_err(EarlyEndCause::observer)?;
+            self.observer
+                .on_snapshot(self.simulation, due)
+                .map_err(EarlyEndCause::from_observer)?;
             self.snapshot_count += 1;
         }
         Ok(())
     }
 
+    /// Passes the probe records since the last call to the observer.
     fn deliver_probe_records(&mut self) -> Result<(), O::Error> {
         self.simulation.drain_records(|time, values| self.observer.on_record(time, values))
     }

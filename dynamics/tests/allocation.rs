@@ -43,14 +43,16 @@ unsafe impl GlobalAlloc for CountingAllocator {
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// Counts the allocations of `steps` steps in `parts` subdomains: by this thread, and by all threads.
-fn count_allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
-    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(problem, parts).expect("sound");
-    split.set(SolidField::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
-    split.advance(3).expect("threads");
+/// Counts the allocations of `steps` steps in `subdomain_count` subdomains: by this thread, and by all threads.
+fn count_allocations(problem: &Problem<2>, subdomain_count: usize, steps: usize) -> [usize; 2] {
+    let mut decomposed: DecomposedDomain<f64, 2> =
+        DecomposedDomain::new(problem, subdomain_count).expect("sound");
+    decomposed
+        .set_field(SolidField::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
+    decomposed.advance(3).expect("threads");
     let counts = || [THREAD_ALLOCATION_COUNT.get(), ALLOCATION_COUNT.load(Ordering::Relaxed)];
     let before = counts();
-    split.advance(steps).expect("threads");
+    decomposed.advance(steps).expect("threads");
     let after = counts();
     [after[0] - before[0], after[1] - before[1]]
 }
@@ -90,17 +92,18 @@ fn steps_allocate_nothing() {
         let amplitudes = vec![(SolidField::Spin(2), 1.0), (SolidField::Stress(0, 0), 1.0)];
         let source = Source { cells: vec![(40, 1.0)], amplitudes, signal };
         let grid = Grid { cells: [15, 27], spacing: [0.1, 0.1] };
-        let sides = [[Boundary::Fixed, Boundary::Free], [Boundary::Periodic, Boundary::Periodic]];
+        let boundaries =
+            [[Boundary::Fixed, Boundary::Free], [Boundary::Periodic, Boundary::Periodic]];
         let problem = Problem {
             loads: vec![load],
             sources: vec![source],
-            ..Problem::new(grid, vec![medium], vec![0; 405], sides, step, scheme)
+            ..Problem::new(grid, vec![medium], vec![0; 405], boundaries, step, scheme)
         };
         assert_eq!(count_allocations(&problem, 1, 200)[0], 0);
         // Threads allocate when they start, when they wait for the first time, and for the messages in flight (up to 16
         // in each direction between neighbours), at unpredictable times; the number must not scale with the steps.
-        let [_, few] = count_allocations(&problem, 3, 10);
-        let [_, many] = count_allocations(&problem, 3, 1000);
-        assert!(many < few + 300, "{few} {many}");
+        let [_, short_run_count] = count_allocations(&problem, 3, 10);
+        let [_, long_run_count] = count_allocations(&problem, 3, 1000);
+        assert!(long_run_count < short_run_count + 300, "{short_run_count} {long_run_count}");
     }
 }

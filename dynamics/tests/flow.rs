@@ -36,11 +36,11 @@ fn perturbed_flow(problem: &FlowProblem, amplitude: f64) -> FlowSolver {
         let [k1, k2]: [f64; 2] = wave;
         let number = k1.hypot(k2);
         for point in 0..columns * rows {
-            let at = [
+            let position = [
                 ((point % columns) as f64 + 0.5) / columns as f64,
                 ((point / columns) as f64 + 0.5) / rows as f64,
             ];
-            let cos = (TAU * (k1 * at[0] + k2 * at[1]) + phase).cos();
+            let cos = (TAU * (k1 * position[0] + k2 * position[1]) + phase).cos();
             velocity[0][point] -= amplitude * unit * k2 / (number * number) * cos;
             velocity[1][point] += amplitude * unit * k1 / (number * number) * cos;
             let scale = if problem.closure == Closure::HarrisGrekova { 25.0 } else { 1.0 };
@@ -53,8 +53,8 @@ fn perturbed_flow(problem: &FlowProblem, amplitude: f64) -> FlowSolver {
 }
 
 fn field_values(flow: &FlowSolver, field: FlowField) -> Vec<f64> {
-    let place = flow.output_fields().iter().position(|own| *own == field).expect("a field");
-    flow.output_values().swap_remove(place)
+    let index = flow.output_fields().iter().position(|own| *own == field).expect("a field");
+    flow.output_values().swap_remove(index)
 }
 
 /// Computes the Fourier coefficient of grid values for a mode, given by its numbers of periods along both axes, by
@@ -113,11 +113,11 @@ fn pressure_equation_and_incompressibility_hold() {
                 .collect();
             (0..count)
                 .map(|point| {
-                    let at = [(point % 16) as f64 / 16.0, (point / 16) as f64 / 16.0];
+                    let position = [(point % 16) as f64 / 16.0, (point / 16) as f64 / 16.0];
                     let sum: Complex64 = terms
                         .iter()
                         .map(|(value, [m1, m2])| {
-                            let turns = f64::from(*m1) * at[0] + f64::from(*m2) * at[1];
+                            let turns = f64::from(*m1) * position[0] + f64::from(*m2) * position[1];
                             value * Complex64::cis(TAU * turns)
                         })
                         .sum();
@@ -127,10 +127,11 @@ fn pressure_equation_and_incompressibility_hold() {
         };
         let gradient: Vec<Vec<f64>> =
             [(&v1, 0), (&v1, 1), (&v2, 0), (&v2, 1)].map(|(v, axis)| derivative(v, axis)).to_vec();
-        let greatest = gradient.iter().flatten().fold(0.0f64, |sum, value| sum.max(value.abs()));
+        let max_gradient =
+            gradient.iter().flatten().fold(0.0f64, |sum, value| sum.max(value.abs()));
         for (one, other) in gradient[0].iter().zip(&gradient[3]) {
             let divergence = one + other;
-            assert!(divergence.abs() < 1e-13 * greatest, "{closure:?} {divergence:e}");
+            assert!(divergence.abs() < 1e-13 * max_gradient, "{closure:?} {divergence:e}");
         }
         let shear = problem.velocity_gradient[0][1];
         let inertia: Vec<f64> = (0..count)
@@ -142,18 +143,21 @@ fn pressure_equation_and_incompressibility_hold() {
             .collect();
         let components: Vec<Vec<f64>> =
             (0..3).map(|n| (0..count).map(|i| stress(i)[n]).collect()).collect();
-        let mut largest = 0.0f64;
-        let mut worst = 0.0f64;
+        let mut max_stress_term = 0.0f64;
+        let mut max_residual = 0.0f64;
         for &mode in modes.iter().filter(|mode| **mode != [0, 0]) {
             let [k1, k2] = flow.wave_vector(mode);
             let [s11, s12, s22] = [0, 1, 2].map(|n| fourier_coefficient(&components[n], 16, mode));
             let left = -(k1 * k1 * s11 + 2.0 * k1 * k2 * s12 + k2 * k2 * s22);
             let right = fourier_coefficient(&inertia, 16, mode);
-            largest = largest.max(left.norm()).max(right.norm());
-            worst = worst.max((left - right).norm());
+            max_stress_term = max_stress_term.max(left.norm()).max(right.norm());
+            max_residual = max_residual.max((left - right).norm());
         }
-        println!("{closure:?}: {worst:e} of {largest:e}");
-        assert!(worst < 1e-9 * largest, "{closure:?}: {worst:e} of {largest:e}");
+        println!("{closure:?}: {max_residual:e} of {max_stress_term:e}");
+        assert!(
+            max_residual < 1e-9 * max_stress_term,
+            "{closure:?}: {max_residual:e} of {max_stress_term:e}"
+        );
     }
 }
 
@@ -171,9 +175,9 @@ fn pressure_iterations_do_not_depend_on_the_grid() {
             })
             .to_vec();
         println!("{closure:?}: {iterations:?}");
-        let (least, most) =
+        let (fewest, largest) =
             iterations.iter().fold((f64::MAX, 0.0f64), |(a, b), x| (a.min(*x), b.max(*x)));
-        assert!(most <= least + 1.0 && most < 40.0, "{closure:?}: {iterations:?}");
+        assert!(largest <= fewest + 1.0 && largest < 40.0, "{closure:?}: {iterations:?}");
     }
     let shape = |pressure: f64| {
         let slow = FlowProblem {
@@ -200,7 +204,7 @@ fn pressure_iterations_do_not_depend_on_the_grid() {
 #[test]
 fn kinetic_energy_changes_by_the_work_of_background_and_stress() {
     for closure in CLOSURES {
-        let left_over: Vec<f64> = [20, 40, 80]
+        let residuals: Vec<f64> = [20, 40, 80]
             .map(|steps| {
                 let mut flow = perturbed_flow(&steady_shear(closure, 16), 0.1);
                 let start = flow.energy();
@@ -214,9 +218,9 @@ fn kinetic_energy_changes_by_the_work_of_background_and_stress() {
                 (change - now.background_work - now.stress_work).abs() / start.kinetic
             })
             .to_vec();
-        let order = (left_over[1] / left_over[2]).log2();
-        println!("{closure:?}: {left_over:?}, order {order}");
-        assert!(order > 1.8 && left_over[2] < 1e-3, "{closure:?}: {left_over:?}");
+        let order = (residuals[1] / residuals[2]).log2();
+        println!("{closure:?}: {residuals:?}, order {order}");
+        assert!(order > 1.8 && residuals[2] < 1e-3, "{closure:?}: {residuals:?}");
     }
 }
 
@@ -224,7 +228,7 @@ fn kinetic_energy_changes_by_the_work_of_background_and_stress() {
 /// modes.
 fn low_mode_difference(coarse: &FlowSolver, fine: &FlowSolver, own: FlowField) -> f64 {
     let (coarse, fine) = (field_values(coarse, own), field_values(fine, own));
-    let (few, many) = (coarse.len().isqrt(), fine.len().isqrt());
+    let (coarse_points, fine_points) = (coarse.len().isqrt(), fine.len().isqrt());
     // Points are at cell centres and differ between the grids: a phase shift aligns the modes.
     let modes = (0..=2).flat_map(|m1| (-2..=2).map(move |m2| [m1, m2]));
     modes
@@ -232,9 +236,11 @@ fn low_mode_difference(coarse: &FlowSolver, fine: &FlowSolver, own: FlowField) -
             let shift = |points: usize| {
                 Complex64::cis(-TAU * 0.5 * f64::from(mode[0] + mode[1]) / points as f64)
             };
-            let one = fourier_coefficient(&coarse, few, mode) * shift(few);
-            let other = fourier_coefficient(&fine, many, mode) * shift(many);
-            (one - other).norm_sqr()
+            let coarse_coefficient =
+                fourier_coefficient(&coarse, coarse_points, mode) * shift(coarse_points);
+            let fine_coefficient =
+                fourier_coefficient(&fine, fine_points, mode) * shift(fine_points);
+            (coarse_coefficient - fine_coefficient).norm_sqr()
         })
         .sum::<f64>()
         .sqrt()
@@ -339,33 +345,33 @@ fn points_without_a_stress_angle_stop_the_run() {
     let fast =
         FlowProblem { spin_acceleration: -2e4, ..simple_shear(Closure::HarrisGrekova, 8, 0.3) };
     let mut flow = perturbed_flow(&fast, 1e-4);
-    let left = loop {
+    let failure = loop {
         match flow.advance(1.0) {
             Ok(()) => assert!(flow.time() < 1.0),
-            Err(left) => break left,
+            Err(failure) => break failure,
         }
     };
     // Time t at which the spin ω = −25 − 25 sin 0.6/sin φ − 2e4 t, 1/s, reaches the limit −25 − 50 1/s.
     let expected = 50.0 * (1.0 - 0.6f64.sin()) / 2e4;
-    assert!(left.description.contains("no stress angle"), "{left}");
-    assert!((left.time / expected - 1.0).abs() < 1e-2, "{} {expected}", left.time);
-    assert!(flow.time() <= left.time && flow.time() > 0.98 * expected);
+    assert!(failure.description.contains("no stress angle"), "{failure}");
+    assert!((failure.time / expected - 1.0).abs() < 1e-2, "{} {expected}", failure.time);
+    assert!(flow.time() <= failure.time && flow.time() > 0.98 * expected);
     // The fields are those of the last valid state.
-    let mut again = FlowSolver::new(&fast).expect("a problem");
-    assert!(again.restore(&flow.snapshot()));
-    assert_eq!(flow.output_values(), again.output_values());
-    assert_eq!(flow.energy(), again.energy());
+    let mut restarted = FlowSolver::new(&fast).expect("a problem");
+    assert!(restarted.restore(&flow.snapshot()));
+    assert_eq!(flow.output_values(), restarted.output_values());
+    assert_eq!(flow.energy(), restarted.energy());
     // Plastic potential: the perturbation cancels the shear rate at some points.
     let mut flow =
         FlowSolver::new(&steady_shear(Closure::PlasticPotential, 16)).expect("a problem");
-    let stop: Vec<f64> =
+    let cancelling_velocity: Vec<f64> =
         (0..256).map(|i| 50.0 * 0.1 / TAU * (TAU * f64::from(i / 16) / 16.0).cos()).collect();
-    let left = flow.perturb([&stop, &vec![0.0; 256]], &[]).expect_err("rigid");
-    assert!(left.description.contains("nearly rigid"), "{left}");
+    let failure = flow.perturb([&cancelling_velocity, &vec![0.0; 256]], &[]).expect_err("rigid");
+    assert!(failure.description.contains("nearly rigid"), "{failure}");
     // The perturbation has ∂₂v₁ = −50 1/s, the opposite of the background, at a quarter of the box above the first
     // point.
-    let at = left.position.expect("a point");
-    assert!((at[1] - 4.5 * 0.1 / 16.0).abs() < 1e-12, "{left:?}");
+    let position = failure.position.expect("a point");
+    assert!((position[1] - 4.5 * 0.1 / 16.0).abs() < 1e-12, "{failure:?}");
 }
 
 /// Verifies that results do not depend, bit by bit, on the number of threads or on resuming from a snapshot.
@@ -389,40 +395,40 @@ fn results_do_not_depend_on_threads_or_snapshots() {
                 (flow.time().to_bits(), flow.snapshot())
             })
         };
-        let one = run(1, false);
+        let expected = run(1, false);
         let bits = |snapshot: &wellposed_dynamics::flow::FlowSnapshot| -> Vec<Vec<u64>> {
             snapshot.arrays.iter().map(|part| part.iter().map(|x| x.to_bits()).collect()).collect()
         };
-        for other in [run(3, false), run(2, true)] {
-            assert_eq!(one.0, other.0, "{closure:?}");
-            assert_eq!(bits(&one.1), bits(&other.1), "{closure:?}");
+        for found in [run(3, false), run(2, true)] {
+            assert_eq!(expected.0, found.0, "{closure:?}");
+            assert_eq!(bits(&expected.1), bits(&found.1), "{closure:?}");
         }
     }
     let mut flow = FlowSolver::new(&steady_shear(Closure::PlasticPotential, 8)).expect("a problem");
-    let other = FlowSolver::new(&steady_shear(Closure::PlasticPotential, 16))
+    let finer_snapshot = FlowSolver::new(&steady_shear(Closure::PlasticPotential, 16))
         .expect("a problem")
         .snapshot();
-    assert!(!flow.restore(&other));
+    assert!(!flow.restore(&finer_snapshot));
 }
 
 /// Verifies that an unperturbed flow takes less than 1000 steps to 0.5 s, and that a step which needs too many stages
 /// is refused.
 #[test]
 fn step_size_and_number_of_stages_are_limited() {
-    let calm =
+    let unperturbed_problem =
         FlowProblem { lengths: [10.0, 10.0], ..simple_shear(Closure::HarrisGrekova, 8, 0.3) };
-    let mut flow = FlowSolver::new(&calm).expect("a problem");
+    let mut flow = FlowSolver::new(&unperturbed_problem).expect("a problem");
     let zero = vec![0.0; 64];
     flow.perturb([&zero, &zero], &zero).expect("a stress");
     while flow.time() < 0.5 {
         flow.advance(0.5).expect("a stress");
     }
     assert!(flow.steps() < 1000, "{}", flow.steps());
-    let stiff = FlowProblem { lengths: [1e-6, 1e-6], ..calm };
+    let stiff = FlowProblem { lengths: [1e-6, 1e-6], ..unperturbed_problem };
     let mut flow = perturbed_flow(&stiff, 1e-3);
     let before = flow.snapshot();
-    let left = flow.advance_by(1.0, 0).expect_err("too many stages");
-    assert!(left.description.contains("too many stages"), "{left}");
+    let failure = flow.advance_by(1.0, 0).expect_err("too many stages");
+    assert!(failure.description.contains("too many stages"), "{failure}");
     assert_eq!(flow.snapshot().arrays[1], before.arrays[1]);
 }
 
@@ -478,7 +484,7 @@ fn box_deformation_is_the_exponential_of_the_velocity_gradient() {
         let zero = vec![0.0; 64];
         flow.perturb([&zero, &zero], &[]).expect("a stress");
         flow.advance_by(0.7, 0).expect("a stress");
-        // Power series of the exponential.
+        // Power series of the matrix exponential.
         let matrix = nalgebra::Matrix2::<f64>::from_fn(|i, j| 0.7 * gradient[i][j]);
         let mut sum = nalgebra::Matrix2::<f64>::identity();
         let mut term = sum;

@@ -76,12 +76,12 @@ impl<W: Write> GifAnimation<W> {
     pub fn new(writer: W, seconds_per_frame: f64, width: u32) -> Result<Self, FigureError> {
         let hundredths = (100.0 * seconds_per_frame).round();
         if !(2.0..=f64::from(u16::MAX)).contains(&hundredths) {
-            return refuse(format!(
+            return animation_error(format!(
                 "cannot show each frame for {seconds_per_frame} s, but for 0.02 s to 655 s"
             ));
         }
         if width == 0 {
-            return refuse("cannot be 0 pixels wide".to_owned());
+            return animation_error("cannot be 0 pixels wide".to_owned());
         }
         let width = width.min(crate::page::WIDTH as u32) as u16;
         Ok(Self {
@@ -98,24 +98,26 @@ impl<W: Write> GifAnimation<W> {
     /// writer was lost in an earlier error.
     pub fn add_frame(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
         let Some(fixed_limit) = figure.fixed_limit else {
-            return refuse("needs frames of one scale, but one of them has none".to_owned());
+            return animation_error(
+                "needs frames of one scale, but one of them has none".to_owned(),
+            );
         };
         let picture = figure.to_picture(FigureFormat::Png)?;
         let picture_size = [picture.width, picture.height];
         if let EncoderState::Encoding(encoder) = &self.state {
             if encoder.fixed_limit != fixed_limit {
                 let first = encoder.fixed_limit;
-                return refuse(format!(
+                return animation_error(format!(
                     "needs frames of one scale, but they have {first} and {fixed_limit}"
                 ));
             }
             if encoder.is_signed != figure.is_signed {
                 let problem = "needs frames of one scale, but only some have a sign";
-                return refuse(problem.to_owned());
+                return animation_error(problem.to_owned());
             }
             if encoder.picture_size != picture_size {
                 let [width, height] = encoder.picture_size;
-                return refuse(format!(
+                return animation_error(format!(
                     "needs frames of one size, but they have {width} × {height} and {} × {} pixels",
                     picture_size[0], picture_size[1]
                 ));
@@ -126,7 +128,7 @@ impl<W: Write> GifAnimation<W> {
             self.start_encoding(figure, fixed_limit, picture_size)?;
         }
         let EncoderState::Encoding(encoder) = &mut self.state else {
-            return refuse("has lost its writer in an earlier failure".to_owned());
+            return animation_error("has lost its writer in an earlier failure".to_owned());
         };
         let small = downscale(&pixels, encoder.picture_size, encoder.frame_size);
         let [width, height] = encoder.frame_size;
@@ -183,15 +185,16 @@ impl<W: Write> GifAnimation<W> {
                 writer.flush().map_err(gif::EncodingError::from)?;
                 Ok(writer)
             }
-            EncoderState::NoFrames(_) => refuse("has no frames".to_owned()),
+            EncoderState::NoFrames(_) => animation_error("has no frames".to_owned()),
             EncoderState::WriterLost => {
-                refuse("has lost its writer in an earlier failure".to_owned())
+                animation_error("has lost its writer in an earlier failure".to_owned())
             }
         }
     }
 }
 
-fn refuse<T>(problem: String) -> Result<T, FigureError> {
+/// Returns the error of an invalid animation.
+fn animation_error<T>(problem: String) -> Result<T, FigureError> {
     Err(FigureError::Animation(problem))
 }
 

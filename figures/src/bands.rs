@@ -11,33 +11,33 @@ use crate::picture::{
 use crate::scale::{self, FINITE_LIMIT, Tick};
 use plotters::style::RGBColor;
 
-/// Style of a family of curves.
+/// Line style of a family of curves in a band diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BandStyle {
-    /// First family of waves of the medium: solid blue lines.
-    First,
-    /// Second family: solid orange lines.
-    Second,
-    /// Third family: solid green lines.
-    Third,
+    /// First family of Bloch waves: solid blue lines.
+    FirstFamily,
+    /// Second family of Bloch waves: solid orange lines.
+    SecondFamily,
+    /// Third family of Bloch waves: solid green lines.
+    ThirdFamily,
     /// Curves of a comparison, such as a continuum: dashed black lines.
     Comparison,
     /// Curves of a reference, such as a closed form: grey dots.
     Reference,
 }
 
-/// Family of curves with one legend entry.
+/// Family of curves of a band diagram, with one style and legend entry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandFamily {
     /// Legend text.
     pub label: String,
-    /// Style.
+    /// Line style.
     pub style: BandStyle,
     /// Curves: pairs of distance along the path and value; NaN interrupts a line.
     pub curves: Vec<Vec<[f64; 2]>>,
 }
 
-/// Band diagram with, below it, the damping of the waves if there is any.
+/// Band diagram: frequencies along a path of the Brillouin zone and, in a panel below, decay rates if waves are damped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandFigure {
     /// Title of the figure.
@@ -48,34 +48,34 @@ pub struct BandFigure {
     pub path_label: String,
     /// Name, symbol and unit of the frequency.
     pub frequency_label: String,
-    /// Name, symbol and unit of the decay rate; unused without `decay`.
+    /// Name, symbol and unit of the decay rate; unused without `decay_rates`.
     pub decay_label: String,
     /// Vertices of the path: distance and name, ascending; at least two.
     pub vertices: Vec<(f64, String)>,
-    /// Frequencies. The axis reaches to the largest frequency of the solid families.
+    /// Curves of frequencies. The axis ends at the largest frequency of the families with solid lines.
     pub frequencies: Vec<BandFamily>,
-    /// Decay rates; empty without damping.
-    pub decay: Vec<BandFamily>,
-    /// Band gaps: lower and upper frequency.
+    /// Curves of decay rates; empty without damping.
+    pub decay_rates: Vec<BandFamily>,
+    /// Band gaps: lower and upper frequency of each.
     pub gaps: Vec<[f64; 2]>,
-    /// Legend text of the gaps.
+    /// Legend text of the band gaps.
     pub gap_label: String,
-    /// Unit of the frequencies written into gaps.
+    /// Unit of the frequencies, written after those in band gaps.
     pub gap_unit: String,
 }
 
 const GAP_COLOUR: Colour = RGBColor(228, 224, 214);
-const DASHES: &[f64] = &[13.0, 8.0];
-const DOTS: &[f64] = &[3.0, 8.0];
-/// Font size of the frequencies of gaps, pixels.
+const COMPARISON_DASHES: &[f64] = &[13.0, 8.0];
+const REFERENCE_DASHES: &[f64] = &[3.0, 8.0];
+/// Font size of the frequencies written into band gaps, pixels.
 const GAP_LABEL_SIZE: f64 = 22.0;
 
 impl BandStyle {
     const fn colour(self) -> Colour {
         match self {
-            Self::First => RGBColor(0, 114, 178),
-            Self::Second => RGBColor(213, 94, 0),
-            Self::Third => RGBColor(0, 138, 100),
+            Self::FirstFamily => RGBColor(0, 114, 178),
+            Self::SecondFamily => RGBColor(213, 94, 0),
+            Self::ThirdFamily => RGBColor(0, 138, 100),
             Self::Comparison => RGBColor(0, 0, 0),
             Self::Reference => RGBColor(90, 90, 90),
         }
@@ -83,51 +83,53 @@ impl BandStyle {
 
     const fn dashes(self) -> &'static [f64] {
         match self {
-            Self::First | Self::Second | Self::Third => &[],
-            Self::Comparison => DASHES,
-            Self::Reference => DOTS,
+            Self::FirstFamily | Self::SecondFamily | Self::ThirdFamily => &[],
+            Self::Comparison => COMPARISON_DASHES,
+            Self::Reference => REFERENCE_DASHES,
         }
     }
 
     /// Line width, pixels: the families differ in greyscale.
     const fn width(self) -> f64 {
         match self {
-            Self::First => LINE_WIDTH + 1.5,
-            Self::Second | Self::Reference => LINE_WIDTH,
-            Self::Third => 0.6 * LINE_WIDTH,
+            Self::FirstFamily => LINE_WIDTH + 1.5,
+            Self::SecondFamily | Self::Reference => LINE_WIDTH,
+            Self::ThirdFamily => 0.6 * LINE_WIDTH,
             Self::Comparison => 0.75 * LINE_WIDTH,
         }
     }
 
     const fn is_solid(self) -> bool {
-        matches!(self, Self::First | Self::Second | Self::Third)
+        matches!(self, Self::FirstFamily | Self::SecondFamily | Self::ThirdFamily)
     }
 }
 
-/// A panel with its vertical range.
+/// Panel of a band diagram with its axes.
 struct BandPanel<'a> {
     frame: Rectangle,
-    path: [f64; 2],
-    top: f64,
+    /// Ends of the path axis.
+    path_ends: [f64; 2],
+    /// Upper end of the vertical axis, which begins at zero.
+    upper_end: f64,
     families: &'a [BandFamily],
 }
 
 impl BandPanel<'_> {
     fn to_point(&self, [x, y]: Point) -> Point {
         let Rectangle { left, bottom, .. } = self.frame;
-        let [start, end] = self.path;
+        let [start, end] = self.path_ends;
         [
             left + (x - start) / (end - start) * self.frame.width(),
-            bottom - y / self.top * self.frame.height(),
+            bottom - y / self.upper_end * self.frame.height(),
         ]
     }
 
     fn ticks(&self) -> Vec<Tick> {
         let ticks = page::choose_ticks(self.frame.height(), true, |max_count| {
-            scale::linear_ticks(0.0, self.top, max_count, false)
+            scale::linear_ticks(0.0, self.upper_end, max_count, false)
         });
-        let inside = ticks.into_iter().filter(|(value, _)| (0.0..=self.top).contains(value));
-        inside.map(|(value, label)| (self.to_point([self.path[0], value])[1], label)).collect()
+        let inside = ticks.into_iter().filter(|(value, _)| (0.0..=self.upper_end).contains(value));
+        inside.map(|(value, label)| (self.to_point([self.path_ends[0], value])[1], label)).collect()
     }
 
     fn draw(&self, picture: &mut Picture, vertices: &[Tick], gaps: &[[f64; 2]], label: &str) {
@@ -164,9 +166,9 @@ impl BandPanel<'_> {
         page::draw_left_axis(picture, frame, &ticks, label);
     }
 
-    /// Area of a gap; `None` if it is not inside the range.
+    /// Area of a band gap in the panel; `None` if it is outside the range of the axis.
     fn gap_area(&self, [low, high]: [f64; 2]) -> Option<Rectangle> {
-        let [bottom, top] = [low, high].map(|value| self.to_point([self.path[0], value])[1]);
+        let [bottom, top] = [low, high].map(|value| self.to_point([self.path_ends[0], value])[1]);
         let area = Rectangle {
             top: top.clamp(self.frame.top, self.frame.bottom),
             bottom: bottom.clamp(self.frame.top, self.frame.bottom),
@@ -189,21 +191,21 @@ impl BandFigure {
         let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
-        let has_decay = !self.decay.is_empty();
+        let has_decay = !self.decay_rates.is_empty();
         let min_height = if has_decay { 960.0 } else { 620.0 };
         let height = page::HEIGHT.max(top + min_height + below).ceil();
         let bottom = height - below;
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let split = if has_decay { top + 0.62 * (bottom - top) } else { bottom };
-        let path = self.path_range();
+        let path_ends = self.path_ends();
         let panel = |top: f64, bottom: f64, left: f64, families| {
             let frame = Rectangle { left, top, right: page::WIDTH - MARGIN - 16.0, bottom };
-            BandPanel { frame, path, top: largest_value(families), families }
+            BandPanel { frame, path_ends, upper_end: axis_upper_end(families), families }
         };
         let panels = |left: f64| {
             let mut all = vec![panel(top, split, left, self.frequencies.as_slice())];
             if has_decay {
-                all.push(panel(split + 30.0, bottom, left, self.decay.as_slice()));
+                all.push(panel(split + 30.0, bottom, left, self.decay_rates.as_slice()));
             }
             all
         };
@@ -228,7 +230,8 @@ impl BandFigure {
         picture
     }
 
-    /// Writes the frequencies of gaps that are high enough for a line of text; of gaps that overlap, those of the first.
+    /// Writes the edges of each band gap into its area, if the area is high enough for a line of text; of gaps that
+    /// overlap, those of the first.
     fn draw_gap_labels(&self, picture: &mut Picture, panel: &BandPanel) {
         let mut labelled: Vec<Rectangle> = Vec::new();
         for gap in &self.gaps {
@@ -237,7 +240,7 @@ impl BandFigure {
             else {
                 continue;
             };
-            let [low, high] = gap.map(format_value);
+            let [low, high] = gap.map(format_frequency);
             let text = format!("{low} to {high} {}", self.gap_unit);
             let width = text_width(&text, GAP_LABEL_SIZE, false);
             let middle = [area.right - 0.5 * width - 24.0, 0.5 * (area.top + area.bottom)];
@@ -263,7 +266,7 @@ impl BandFigure {
         }
     }
 
-    fn path_range(&self) -> [f64; 2] {
+    fn path_ends(&self) -> [f64; 2] {
         let finite = self.vertices.iter().map(|own| own.0).filter(|x| x.abs() < FINITE_LIMIT);
         let range = finite
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
@@ -294,7 +297,7 @@ impl BandFigure {
     }
 }
 
-fn format_value(value: f64) -> String {
+fn format_frequency(value: f64) -> String {
     match value.abs() {
         size if !(1e-3..1e6).contains(&size) => format!("{value:.3e}"),
         size if size >= 100.0 => format!("{value:.0}"),
@@ -303,8 +306,9 @@ fn format_value(value: f64) -> String {
     }
 }
 
-/// Largest finite value of the solid families, 4 % above it; 1 without positive values.
-fn largest_value(families: &[BandFamily]) -> f64 {
+/// Upper end of an axis: 4 % above the largest finite value of the families with solid lines; 1 without positive
+/// values.
+fn axis_upper_end(families: &[BandFamily]) -> f64 {
     let solid = families.iter().filter(|family| family.style.is_solid());
     let values = solid.flat_map(|family| family.curves.iter().flatten()).map(|point| point[1]);
     let largest = values.filter(|value| *value < FINITE_LIMIT).fold(0.0, f64::max);
@@ -323,9 +327,9 @@ mod tests {
             curves: vec![points.to_vec()],
         };
         let families = vec![
-            family(BandStyle::First, "P-like"),
-            family(BandStyle::Second, "S-like"),
-            family(BandStyle::Third, "mixed"),
+            family(BandStyle::FirstFamily, "P-like"),
+            family(BandStyle::SecondFamily, "S-like"),
+            family(BandStyle::ThirdFamily, "mixed"),
             family(BandStyle::Comparison, "continuum"),
             family(BandStyle::Reference, "chain"),
         ];
@@ -341,7 +345,7 @@ mod tests {
                 (2.0, "M".into()),
                 (3.4, "Γ".into()),
             ],
-            decay: if is_damped { families.clone() } else { Vec::new() },
+            decay_rates: if is_damped { families.clone() } else { Vec::new() },
             frequencies: families,
             gaps: gaps.to_vec(),
             gap_label: "band gap".to_owned(),
@@ -369,11 +373,11 @@ mod tests {
         }
     }
 
-    /// Comparison curves do not stretch the axis.
+    /// Verifies that the range of the axis depends on the families with solid lines only.
     #[test]
-    fn range_is_that_of_the_medium() {
+    fn axis_range_ignores_comparison_curves() {
         let mut figure = sample_figure(&[[0.0, 0.0], [1.0, 2.0]], &[], false);
         figure.frequencies[3].curves = vec![vec![[0.0, 0.0], [1.0, 500.0]]];
-        assert_eq!(largest_value(&figure.frequencies), 2.08);
+        assert_eq!(axis_upper_end(&figure.frequencies), 2.08);
     }
 }

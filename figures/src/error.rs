@@ -44,7 +44,7 @@ pub enum FigureError {
         name: String,
         /// Number of values in the record.
         found: usize,
-        /// Number of times.
+        /// Number of times of the figure.
         times: usize,
     },
     /// The frames of an animation are inconsistent, or an option is invalid.

@@ -21,7 +21,7 @@ pub struct LabelledCurve {
     pub points: Vec<[f64; 2]>,
 }
 
-/// A marked position on the horizontal axis, drawn as a thin vertical line.
+/// Marked position on the horizontal axis, drawn as a thin vertical line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisMark {
     /// Label of a few words, written above the panel.
@@ -51,8 +51,8 @@ pub struct GrowthPanel {
 
 /// Growth rates against the direction and against the wave number, in two panels side by side.
 ///
-/// The vertical axes are symmetric logarithmic: linear about zero and logarithmic beyond, so that growth and decay over
-/// many decades are visible.
+/// The vertical axes are symmetric logarithmic, that is linear near zero and logarithmic at larger magnitudes, so that
+/// growth and decay over many decades are visible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowthFigure {
     /// Title of the figure.

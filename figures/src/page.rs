@@ -10,8 +10,9 @@ pub(crate) const HEIGHT: f64 = 1100.0;
 /// Margin along the edges of the figure, pixels.
 pub(crate) const MARGIN: f64 = 44.0;
 
-/// Font sizes of title and subtitle, pixels.
+/// Font size of the title, pixels.
 const TITLE_SIZE: f64 = 38.0;
+/// Font size of the subtitle, pixels.
 const SUBTITLE_SIZE: f64 = 26.0;
 /// Font size of axis names, pixels.
 pub(crate) const AXIS_NAME_SIZE: f64 = 28.0;

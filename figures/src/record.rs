@@ -15,8 +15,7 @@ use crate::verdict_map::format_percent;
 
 /// Values of a record at the times of a figure.
 pub(crate) struct RecordSeries<'a> {
-    /// Legend text; series with the same name share a style. A series without name is drawn plain and is named by the
-    /// panel title.
+    /// Legend text; series with the same name share a style. Without name the series is drawn in a plain style.
     pub name: Option<&'a str>,
     pub values: &'a [f64],
 }
@@ -43,25 +42,27 @@ pub(crate) struct RecordFigure<'a> {
 
 /// Font size of panel titles, pixels.
 const PANEL_TITLE_SIZE: f64 = 26.0;
-/// Height of the row of a panel title, and gap between panels, pixels.
+/// Height of the row of a panel title, pixels.
 const PANEL_TITLE_HEIGHT: f64 = 1.4 * PANEL_TITLE_SIZE;
+/// Gap between panels, pixels.
 const PANEL_GAP: f64 = 12.0;
-/// Ratio of line length to window width above which a line is drawn thin, width of the window and width of the thin
-/// line; widths in pixels.
+/// Ratio of line length to window width above which a line oscillates so densely that it is drawn thin.
 const DENSE_LENGTH_RATIO: f64 = 4.0;
+/// Width of the window in which the length of a line is measured, pixels.
 const DENSITY_WINDOW: f64 = 50.0;
+/// Width of a densely oscillating line, pixels.
 const DENSE_LINE_WIDTH: f64 = 1.8;
 /// Width, pixels, of the thin solid line drawn along a dashed line, so that no peak is lost in a gap.
 const THIN_LINE_WIDTH: f64 = 1.0;
 /// Minimum vertical distance of labelled ticks, pixels.
 const MIN_TICK_DISTANCE: f64 = 1.15 * page::TICK_LABEL_SIZE;
 const MARKER_RADIUS: f64 = 6.5;
-/// Distance between the markers of one line, and between the markers of neighbouring lines, pixels.
+/// Distance between the markers of one line, pixels.
 const MARKER_SPACING: f64 = 160.0;
+/// Distance between the markers of neighbouring lines, pixels.
 const MARKER_OFFSET: f64 = 56.0;
 /// Relative change below which values are regarded as constant up to round-off.
 const ROUND_OFF_TOLERANCE: f64 = 1e-9;
-
 const ZERO_LINE_COLOUR: RGBColor = RGBColor(110, 110, 110);
 
 fn is_finite(value: f64) -> bool {
@@ -444,8 +445,7 @@ impl RecordFigure<'_> {
     }
 }
 
-/// Splits a line into pieces of low and high density, each with a flag that it is dense, i.e. that the line oscillates
-/// so fast that its strokes would merge.
+/// Splits a line into pieces, each with a flag that it oscillates so densely that its strokes would merge.
 fn split_by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
     let mut pieces: Vec<(bool, Vec<Point>)> = Vec::new();
     let mut start = 0;

@@ -122,8 +122,8 @@ pub(crate) fn log_ticks(low: f64, high: f64, max_count: usize) -> Vec<Tick> {
     values.into_iter().map(|(value, label)| (value.log10(), label)).collect()
 }
 
-/// Symmetric logarithmic scale for values of both signs: linear up to a threshold, whose position is 1, and increasing
-/// by 1 per decade beyond.
+/// Symmetric logarithmic scale for values of both signs: linear up to a threshold in magnitude, whose position is 1; at
+/// larger magnitudes the position increases by 1 per decade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SymmetricLog {
     /// Exponent of the threshold 10^`threshold_exponent`.
@@ -134,13 +134,15 @@ impl SymmetricLog {
     /// Default maximum number of whole decades between the threshold and the largest magnitude.
     pub const DEFAULT_DECADES: i32 = 7;
 
-    /// Chooses the threshold, a power of ten, such that all but the smallest tenth of the finite non-zero magnitudes are
-    /// in the logarithmic part, but not more than seven decades below the power of ten next below the largest magnitude.
+    /// Chooses the threshold, a power of ten, such that all but the smallest tenth of the finite non-zero magnitudes
+    /// are in the logarithmic part, but not more than seven decades below the power of ten next below the largest
+    /// magnitude.
     pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
         Self::from_values_with_decades(values, Self::DEFAULT_DECADES)
     }
 
-    /// Chooses the threshold likewise, with `decades` in place of seven decades.
+    /// Chooses the threshold as [`from_values`](Self::from_values), but at most `decades` decades below the power of
+    /// ten next below the largest magnitude.
     pub fn from_values_with_decades(values: impl Iterator<Item = f64>, decades: i32) -> Self {
         let mut sizes: Vec<f64> =
             values.map(f64::abs).filter(|size| *size > 0.0 && size.is_finite()).collect();

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use crate::contour;
-use crate::dispersion::{TAG_RADIUS, draw_tag, tag_area};
+use crate::dispersion::{NUMBER_DISC_RADIUS, draw_number_disc, number_disc_area};
 use crate::error::FigureError;
 use crate::format::FigureFormat;
 use crate::hemisphere::HemisphereProjection;
@@ -23,7 +23,7 @@ use crate::verdict_map::{
     BAR_GAP, BAR_WIDTH, MISSING_LEVEL_COLOUR, contrast_colour, draw_shades, find_runs, shade_colour,
 };
 
-/// A marked wave normal.
+/// Wave normal that is marked on the map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereMark {
     /// Legend text, followed by the components of the normal. The number of the mark is shown in the legend and on the
@@ -201,11 +201,11 @@ impl SphereFigure {
             let label_text = format!("{label}{comma}n = ({})", parts.join(", "));
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 let y = 0.5 * (area.top + area.bottom);
-                let tag = [area.left + TAG_RADIUS + 4.0, y];
+                let tag = [area.left + NUMBER_DISC_RADIUS + 4.0, y];
                 let point = [area.right - 10.0, y];
                 picture.draw_line([tag, point], 1.8, INK);
                 draw_point(picture, point);
-                draw_tag(picture, tag, index + 1, INK);
+                draw_number_disc(picture, tag, index + 1, INK);
             };
             entries.push((label_text, Box::new(swatch)));
         }
@@ -378,7 +378,7 @@ impl SphereFigure {
         let mut occupied: Vec<Rectangle> =
             points.iter().map(|&point| around(point, 10.0)).collect();
         occupied.extend([text_background(&name), around(disc.centre, 10.0)]);
-        let mut tags = Vec::new();
+        let mut number_discs = Vec::new();
         for &point in &points {
             let places = (0..60).flat_map(|step| {
                 let distance = 36.0 + 14.0 * f64::from(step);
@@ -387,14 +387,14 @@ impl SphereFigure {
             });
             let is_free = |&[x, y]: &Point| {
                 let away = (x - disc.centre[0]).hypot(y - disc.centre[1]);
-                away < disc.radius - TAG_RADIUS - 4.0
-                    && !occupied.iter().any(|area| area.is_overlapping(&tag_area([x, y])))
+                away < disc.radius - NUMBER_DISC_RADIUS - 4.0
+                    && !occupied.iter().any(|area| area.is_overlapping(&number_disc_area([x, y])))
             };
             let place = places.into_iter().find(is_free);
-            occupied.extend(place.map(tag_area));
-            tags.push(place);
+            occupied.extend(place.map(number_disc_area));
+            number_discs.push(place);
         }
-        for (&point, tag) in points.iter().zip(&tags) {
+        for (&point, tag) in points.iter().zip(&number_discs) {
             if let Some(tag) = tag {
                 picture.draw_line([point, *tag], 4.4, WHITE);
                 picture.draw_line([point, *tag], 1.8, INK);
@@ -407,9 +407,9 @@ impl SphereFigure {
                 draw_point(picture, [2.0 * disc.centre[0] - x, 2.0 * disc.centre[1] - y]);
             }
         }
-        for (index, tag) in tags.iter().enumerate() {
+        for (index, tag) in number_discs.iter().enumerate() {
             if let Some(tag) = tag {
-                draw_tag(picture, *tag, index + 1, INK);
+                draw_number_disc(picture, *tag, index + 1, INK);
             }
         }
         picture.fill_rectangle(text_background(&name), WHITE);

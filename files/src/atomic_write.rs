@@ -31,8 +31,8 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_atomically_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`write_atomically`], with content produced by `write`. The file is unbuffered: callers that write many small
-/// blocks need a buffer.
+/// Writes a file atomically, as [`write_atomically`] does, with the content that `write` produces. The file is
+/// unbuffered: callers that write many small blocks need a buffer.
 pub fn write_atomically_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
@@ -40,11 +40,11 @@ pub fn write_atomically_with(
     stage_file_with(path, write)?.publish()
 }
 
-/// Complete file on disk under a temporary name, removed on drop unless published.
+/// Complete file on disk under a temporary name. Drop removes it unless it has been published under its final name.
 #[derive(Debug)]
 pub struct StagedFile {
     path: PathBuf,
-    temporary: PathBuf,
+    temporary_path: PathBuf,
     /// Open file, which is locked so that other processes do not remove it as abandoned.
     _file: File,
 }
@@ -57,7 +57,7 @@ impl StagedFile {
     pub fn publish(self) -> Result<(), FileError> {
         let at = |source| FileError { path: self.path.clone(), action: "write", source };
         refuse_device(&self.path).map_err(at)?;
-        fs::rename(&self.temporary, &self.path).map_err(at)?;
+        fs::rename(&self.temporary_path, &self.path).map_err(at)?;
         sync_parent_folder(&self.path);
         Ok(())
     }
@@ -67,8 +67,8 @@ impl Drop for StagedFile {
     fn drop(&mut self) {
         let mut temporary_files = lock_temporary_files();
         // After renaming, the temporary name no longer exists.
-        let _ = fs::remove_file(&self.temporary);
-        temporary_files.remove(&self.temporary);
+        let _ = fs::remove_file(&self.temporary_path);
+        temporary_files.remove(&self.temporary_path);
     }
 }
 
@@ -92,11 +92,11 @@ pub fn stage_file_with(
     refuse_device(path).map_err(at(path, "write"))?;
     let folder = parent_folder(path);
     fs::create_dir_all(folder).map_err(at(folder, "create the folder"))?;
-    let (temporary, mut file) = create_temporary_file(folder, name)?;
+    let (temporary_path, mut file) = create_temporary_file(folder, name)?;
     let written = write(&mut file).and_then(|()| file.sync_all());
     // On failure `staged` is dropped, which removes the temporary file.
-    let staged = StagedFile { path: path.to_path_buf(), temporary, _file: file };
-    written.map_err(at(&staged.temporary, "write"))?;
+    let staged = StagedFile { path: path.to_path_buf(), temporary_path, _file: file };
+    written.map_err(at(&staged.temporary_path, "write"))?;
     Ok(staged)
 }
 

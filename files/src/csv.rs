@@ -1,6 +1,6 @@
 //! CSV tables (comma-separated values).
 
-/// One cell of a table.
+/// One cell of a CSV table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CsvCell {
     /// Number in the shortest form that reads back to the same bits; not-a-number becomes an empty cell, infinities

@@ -25,7 +25,7 @@ pub enum LockError {
     Io(#[from] io::Error),
 }
 
-/// Held lock. Drop releases it, and on Unix removes its file if the lock created the file or
+/// Lock on a folder while it is held. Drop releases it, and on Unix removes its file if the lock created the file or
 /// [`with_removal_on_drop`](Self::with_removal_on_drop) was called.
 #[derive(Debug)]
 pub struct Lock {

@@ -240,17 +240,18 @@ fn parse_array(bytes: &[u8]) -> Result<(Vec<usize>, ArrayValues), &'static str> 
     let shape =
         shape.map(str::parse).collect::<Result<Vec<usize>, _>>().map_err(|_| HEADER_PROBLEM)?;
 
-    const TYPE_PROBLEM: &str = "holds values of a kind that is not read here";
+    const UNSUPPORTED_TYPE_PROBLEM: &str = "holds values of a kind that is not read here";
     let width = match type_code {
         "<f8" => 8,
         "|i1" => 1,
         "<i4" => 4,
         _ => {
             let characters = type_code.strip_prefix("<U").and_then(|width| width.parse().ok());
-            let width =
-                characters.and_then(|width: usize| width.checked_mul(4)).ok_or(TYPE_PROBLEM)?;
+            let width = characters
+                .and_then(|width: usize| width.checked_mul(4))
+                .ok_or(UNSUPPORTED_TYPE_PROBLEM)?;
             if width == 0 {
-                return Err(TYPE_PROBLEM);
+                return Err(UNSUPPORTED_TYPE_PROBLEM);
             }
             width
         }

@@ -16,13 +16,15 @@ use crc32fast::Hasher;
 use crate::regular_file::open_regular_file;
 use crate::{FileError, write_atomically_with};
 
-// The first byte is not ASCII, and text-mode transfers would alter the line ends.
+/// Magic bytes: the first is not ASCII, and text-mode transfers would alter the line ends.
 const MAGIC: [u8; 8] = *b"\x89seal\r\n\x1a";
 /// Version of the format written and read by this module.
 const FORMAT_VERSION: u32 = 1;
-/// Length of the opening, bytes.
+/// Length of the opening (file header), bytes.
 const OPENING_LENGTH: usize = 28;
+/// Length of the lengths of name and content before each section, bytes.
 const SECTION_HEAD_LENGTH: usize = 12;
+/// Length of a checksum, bytes.
 const CHECKSUM_LENGTH: usize = 4;
 
 /// Error of reading a file of sections.

@@ -153,7 +153,8 @@ pub fn find_layer(name: &str) -> Option<LayerKind> {
 }
 
 /// The kind of layer with the given normal and tangential component, words of
-/// [`NORMAL_WORDS`](kinds::NORMAL_WORDS) and [`TANGENTIAL_WORDS`](kinds::TANGENTIAL_WORDS).
+/// [`NORMAL_COMPONENT_NAMES`](kinds::NORMAL_COMPONENT_NAMES) and
+/// [`TANGENTIAL_COMPONENT_NAMES`](kinds::TANGENTIAL_COMPONENT_NAMES).
 pub fn find_layer_by_components(normal: &str, tangential: &str) -> Option<LayerKind> {
     LAYERS.into_iter().find(|kind| kind.components == Some([normal, tangential]))
 }
@@ -178,7 +179,7 @@ pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
 pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
     let solid = SolidKind::new(model);
     let law = solid
-        .example()
+        .build_example_law()
         .map_err(|error| RegistryError::InvalidExample { model: model.name, error })?;
     if law.theory() != model.theory || law.is_plane() != model.is_plane {
         return Err(RegistryError::TheoryMismatch(model.name));

@@ -52,7 +52,7 @@ fn assess_state(
 ) -> (LinearisedSystem<2>, DeformingFlow, Option<ClosedFormVerdict>) {
     let model = states::build_model(kind, parameters);
     let flow = states::complete_flow(&model, state);
-    (states::assemble_symbol(&model, &flow), flow, model.closed_form(&flow))
+    (states::assemble_symbol(&model, &flow), flow, model.closed_form_verdict(&flow))
 }
 
 /// Determinant as a polynomial in ς at k = [`SHORT_WAVE_NUMBER`] for the wave vector at `angle` (rad).
@@ -62,7 +62,7 @@ fn dispersion_polynomial(system: &LinearisedSystem<2>, angle: f64) -> Polynomial
 }
 
 /// Limit of Re ς/k² of the only root ς of order 2 in k, from the sum of all roots.
-fn leading_coefficient_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f64 {
+fn growth_coefficient_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion_polynomial(system, angle);
     let [.., next, last] = polynomial[..] else { panic!("no roots") };
     let root = -(next / last);
@@ -71,24 +71,35 @@ fn leading_coefficient_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f
 
 /// Limit of |ς|/k of the two roots ς = ±ck of order 1, positive if they are real and negative if imaginary, from the
 /// sum of the products of all pairs of roots, −c²k².
-fn leading_coefficient_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f64 {
+fn growth_coefficient_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion_polynomial(system, angle);
     let [.., second, _, last] = polynomial[..] else { panic!("one root") };
     let square = -(second / last).re.to_f64() / SHORT_WAVE_NUMBER.powi(2);
     square.abs().sqrt().copysign(square)
 }
 
-/// Checks that a closed form has the order `expected_order`, and that its coefficient is the value of `at`, the leading
-/// coefficient by angle of the wave vector, in its direction and the maximum over [`DIRECTION_COUNT`] directions.
-fn check_growth(found: Option<ClosedFormVerdict>, expected_order: u8, at: impl Fn(f64) -> f64) {
+/// Checks that a closed form has the order `expected_order`, and that its coefficient equals `growth_coefficient`, a
+/// function of the angle of the wave vector, in its direction and is the maximum over [`DIRECTION_COUNT`] directions.
+fn check_growth(
+    found: Option<ClosedFormVerdict>,
+    expected_order: u8,
+    growth_coefficient: impl Fn(f64) -> f64,
+) {
     let Some(ClosedFormVerdict::PowerLawGrowth { order, coefficient, direction }) = found else {
         panic!("grows with order {expected_order}, yet {found:?}")
     };
     assert_eq!(order, expected_order);
     assert!((0.0..PI).contains(&direction));
-    assert!((at(direction) / coefficient - 1.0).abs() < 1e-9, "{} {coefficient}", at(direction));
+    assert!(
+        (growth_coefficient(direction) / coefficient - 1.0).abs() < 1e-9,
+        "{} {coefficient}",
+        growth_coefficient(direction)
+    );
     for n in 0..DIRECTION_COUNT {
-        assert!(at(PI * n as f64 / DIRECTION_COUNT as f64) <= coefficient * (1.0 + 1e-9));
+        assert!(
+            growth_coefficient(PI * n as f64 / DIRECTION_COUNT as f64)
+                <= coefficient * (1.0 + 1e-9)
+        );
     }
 }
 
@@ -102,7 +113,7 @@ fn double_shearing_grows_with_order_1() {
             let (parameters, state) =
                 random_state_at_rest(&mut random, registry::DOUBLE_SHEARING, dilatancy);
             let (system, _, found) = assess_state(registry::DOUBLE_SHEARING, &parameters, &state);
-            check_growth(found, 1, |angle| leading_coefficient_of_order_1(&system, angle));
+            check_growth(found, 1, |angle| growth_coefficient_of_order_1(&system, angle));
         }
     }
 }
@@ -118,7 +129,7 @@ fn plastic_potential_grows_with_order_2() {
                 random_state_at_rest(&mut random, registry::PLASTIC_POTENTIAL, dilatancy);
             let (system, _, found) = assess_state(registry::PLASTIC_POTENTIAL, &parameters, &state);
             if (parameters.friction_angle - parameters.dilatancy_angle).abs() > 0.05 {
-                check_growth(found, 2, |angle| leading_coefficient_of_order_2(&system, angle));
+                check_growth(found, 2, |angle| growth_coefficient_of_order_2(&system, angle));
             }
         }
     }
@@ -137,13 +148,13 @@ fn harris_grekova_verdict_without_dilatancy_depends_on_the_noncoaxiality() {
             well_posed += 1;
             for n in 0..DIRECTION_COUNT {
                 assert!(
-                    leading_coefficient_of_order_2(&system, PI * n as f64 / DIRECTION_COUNT as f64)
+                    growth_coefficient_of_order_2(&system, PI * n as f64 / DIRECTION_COUNT as f64)
                         < 1e-9
                 );
             }
         } else {
             growing += 1;
-            check_growth(found, 2, |angle| leading_coefficient_of_order_2(&system, angle));
+            check_growth(found, 2, |angle| growth_coefficient_of_order_2(&system, angle));
         }
     }
     assert!(well_posed > STATE_COUNT / 2 && growing > STATE_COUNT / 2);
@@ -235,7 +246,7 @@ fn uncertain_cases_have_no_closed_form_verdict() {
     let assert_no_verdict =
         |kind, parameters: &FlowParameters, state: &MaterialState, reason: &str| {
             let model: Model = states::build_model(kind, parameters);
-            let found = model.closed_form(&states::complete_flow(&model, state));
+            let found = model.closed_form_verdict(&states::complete_flow(&model, state));
             assert_eq!(found, None, "{reason}");
         };
     for _ in 0..STATE_COUNT {

@@ -61,13 +61,13 @@ fn sum_of_roots(polynomial: &[Complex]) -> Complex {
     -(*next / *last)
 }
 
-/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `leading_coefficient` equals lim ς/k².
+/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `growth_coefficient` equals lim ς/k².
 ///
 /// Tolerance 1e-12. The other root is of the order of the background rates, about 10 1/s, and the coefficient at least
 /// 1e-3 m²/s, so the sum of the roots over k² has a relative error below 1e-13 at k = 1e9 1/m. The entries have
 /// relative errors of 1e-15, amplified by up to 1/0.05 each near cos β = sin φ and near |Δ| = 45°.
 #[test]
-fn harris_grekova_leading_coefficient_is_the_limit_of_the_roots() {
+fn harris_grekova_growth_coefficient_is_the_limit_of_the_roots() {
     let mut random = RandomNumbers::new(500);
     let (mut worst, mut compared) = (0.0f64, 0);
     while compared < STATE_COUNT {
@@ -87,19 +87,19 @@ fn harris_grekova_leading_coefficient_is_the_limit_of_the_roots() {
         let root = sum_of_roots(&dispersion_polynomial(&model, &flow, k, dd(beta)));
         let truth = (root / complex(k * k, 0.0)).re.to_f64();
         let (q, rho, rate) = (flow.stress.deviator.value, flow.density, flow.shear_rate);
-        let closed = own.leading_coefficient(q, rho, rate, flow.noncoaxiality, beta);
+        let closed = own.growth_coefficient(q, rho, rate, flow.noncoaxiality, beta);
         worst = worst.max((closed / truth - 1.0).abs());
         assert!((closed / truth - 1.0).abs() < 1e-12, "{closed:e} against {truth:e}");
     }
     println!("Harris–Grekova: {worst:.1e}");
 }
 
-/// Double shearing, ν = 0, at rest: the roots are ±k × `leading_coefficient`.
+/// Double shearing, ν = 0, at rest: the roots are ±k × `growth_coefficient`.
 ///
 /// Tolerance 1e-9. At k = 1e12 1/m the relative corrections are (background rates)/(kc) with the coefficient c of order
 /// 0.1 m/s.
 #[test]
-fn double_shearing_leading_coefficient_is_the_limit_of_the_roots() {
+fn double_shearing_growth_coefficient_is_the_limit_of_the_roots() {
     let mut random = RandomNumbers::new(510);
     let mut worst = 0.0f64;
     for _ in 0..STATE_COUNT {
@@ -116,7 +116,7 @@ fn double_shearing_leading_coefficient_is_the_limit_of_the_roots() {
         let k = 1e12;
         let polynomial = dispersion_polynomial(&model, &flow, k, dd(beta));
         let roots = quadratic_roots(&polynomial).map(|x| (x / complex(k, 0.0)).re.to_f64());
-        let closed = own.leading_coefficient(flow.stress.deviator.value, flow.density, beta);
+        let closed = own.growth_coefficient(flow.stress.deviator.value, flow.density, beta);
         for truth in roots {
             worst = worst.max((closed / truth.abs() - 1.0).abs());
             assert!((closed / truth.abs() - 1.0).abs() < 1e-9, "{closed:e} against {truth:e}");
@@ -152,10 +152,10 @@ fn double_shearing_roots_are_advected_with_the_material() {
     }
 }
 
-/// Plastic potential, all ν: `leading_coefficient` equals lim ς/k² in every direction, and is positive exactly in the
+/// Plastic potential, all ν: `growth_coefficient` equals lim ς/k² in every direction, and is positive exactly in the
 /// sector where cos β lies between sin ν and sin φ.
 #[test]
-fn plastic_potential_leading_coefficient_is_the_limit_of_the_roots() {
+fn plastic_potential_growth_coefficient_is_the_limit_of_the_roots() {
     for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive, DilatancyKind::Associated] {
         let mut random = RandomNumbers::new(520);
         let (mut worst, mut inside, mut compared) = (0.0f64, 0, 0);
@@ -175,7 +175,7 @@ fn plastic_potential_leading_coefficient_is_the_limit_of_the_roots() {
             compared += 1;
             let k = 1e12;
             let (q, rho, rate) = (flow.stress.deviator.value, flow.density, flow.shear_rate);
-            let closed = own.leading_coefficient(q, rho, rate, beta);
+            let closed = own.growth_coefficient(q, rho, rate, beta);
             assert_eq!(closed > 0.0, gaps < 0.0);
             inside += usize::from(closed > 0.0);
             let polynomial = dispersion_polynomial(&model, &flow, k, dd(beta));
@@ -244,7 +244,7 @@ fn plastic_potential_fastest_growth_is_the_maximum_over_directions() {
 /// Tolerance 1e-10: errors of 1e-15 of the entries are divided by the slope of |a| − √(b² + c²) in Δ, which is small
 /// for ν near φ or 0.
 #[test]
-fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
+fn noncoaxiality_bound_is_where_the_growth_coefficient_vanishes() {
     for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive] {
         let mut random = RandomNumbers::new(540);
         let mut worst = 0.0f64;

@@ -1,12 +1,16 @@
-//! Equivalent Cosserat continuum of a blocky medium: published constants, isotropy, uniform strain of a cell.
+//! Equivalent Cosserat continuum of a blocky medium: published constants, isotropy, and the response of a cell to a
+//! uniform displacement gradient.
 
 use nalgebra::{DMatrix, DVector};
 use wellposed_models::InputError;
 use wellposed_models::interface::elastic::ElasticMaterial;
-use wellposed_models::interface::homogenised::{BlockMaterial, BlockyMedium, Constant, Validity};
+use wellposed_models::interface::homogenised::{
+    BlockMaterial, BlockyMedium, EquivalentConstant, Validity,
+};
 use wellposed_models::solid::parameters::PlaneCompliances;
 
-fn medium(thickness: f64) -> BlockyMedium {
+/// Blocky medium with layers of the given thickness, m.
+fn blocky_medium(thickness: f64) -> BlockyMedium {
     BlockyMedium {
         block: BlockMaterial { density: 2700.0, longitudinal_speed: 5000.0, shear_speed: 3000.0 },
         layer: ElasticMaterial {
@@ -19,13 +23,13 @@ fn medium(thickness: f64) -> BlockyMedium {
     }
 }
 
-/// Half a unit of the last digit printed.
+/// Asserts that a number, rounded to as many decimals, equals the printed one.
 fn assert_digits(found: f64, printed: &str) {
     let decimals = printed.split_once('.').map_or(0, |(_, digits)| digits.len());
     assert_eq!(format!("{found:.decimals$}"), printed);
 }
 
-/// The constants of layers of 0.1, 1 and 5 mm equal the table of the blocky medium to the digits printed.
+/// The constants for layers of 0.1, 1 and 5 mm equal the values of a table, to all digits printed there.
 #[test]
 fn constants_equal_the_table_to_the_digits_printed() {
     // δ mm; K_n, K_t 1e11 Pa/m; a₁, b₁, a₂, b₂ 1e-12/Pa; α₂ 1e6 N; ρ₀, J₀; P, long S, short S; f* kHz; K_t h/μ.
@@ -36,7 +40,7 @@ fn constants_equal_the_table_to_the_digits_printed() {
     ];
     for row in table {
         let printed: Vec<&str> = row.split(' ').collect();
-        let medium = medium(1e-3 * printed[0].parse::<f64>().expect("number"));
+        let medium = blocky_medium(1e-3 * printed[0].parse::<f64>().expect("number"));
         let constants = medium.homogenise().expect("valid");
         let [normal, tangential] = medium.layer_stiffness();
         let PlaneCompliances { a1, b1, a2, b2, alpha2, density, inertia } = constants.solid;
@@ -68,11 +72,11 @@ fn constants_equal_the_table_to_the_digits_printed() {
     }
 }
 
-/// The continuum is isotropic exactly if both speeds of the layers are equal.
+/// The equivalent continuum is isotropic exactly if the longitudinal and the shear speed of the layers are equal.
 #[test]
 fn continuum_is_isotropic_iff_both_speeds_of_the_layers_are_equal() {
     for ratio in [0.3, 0.5, 0.9, 0.999, 1.0, 1.001, 1.5] {
-        let mut medium = medium(1e-3);
+        let mut medium = blocky_medium(1e-3);
         medium.layer.shear_speed = ratio * medium.layer.longitudinal_speed;
         let constants = medium.homogenise().expect("valid");
         let speeds = |angle: f64| constants.long_wave_speeds([angle.cos(), angle.sin()]);
@@ -85,11 +89,11 @@ fn continuum_is_isotropic_iff_both_speeds_of_the_layers_are_equal() {
     }
 }
 
-/// Stiffnesses of a cell for a given mean displacement gradient, minimised over the gradient of the block; the rest of
-/// the gradient opens the joints.
+/// The compliances give the effective stiffness of a cell: its energy for a given mean displacement gradient, minimised
+/// over the gradient of the block; the difference of both gradients opens the joints.
 #[test]
 fn compliances_equal_those_of_a_cell_under_uniform_gradient() {
-    let medium = medium(2e-3);
+    let medium = blocky_medium(2e-3);
     let solid = medium.homogenise().expect("valid").solid;
     let h = medium.period;
     let [normal, tangential] = medium.layer_stiffness();
@@ -120,34 +124,38 @@ fn compliances_equal_those_of_a_cell_under_uniform_gradient() {
     let joints = [normal, tangential, tangential, normal].map(|k| k * h);
     let stiffness_joint = DMatrix::from_diagonal(&DVector::from_row_slice(&joints));
     let sum = (&stiffness_block + &stiffness_joint).try_inverse().expect("regular");
-    let effective = &stiffness_joint - &stiffness_joint * sum * &stiffness_joint;
+    let effective_stiffness = &stiffness_joint - &stiffness_joint * sum * &stiffness_joint;
     let determinant = (solid.a1 - solid.b1) * (solid.a1 + solid.b1);
     let pairs = [
-        (effective[(0, 0)], solid.a1 / determinant),
-        (effective[(0, 3)], solid.b1 / determinant),
-        (effective[(1, 1)], 0.5 / (solid.a2 - solid.b2)),
-        (effective[(1, 2)], 0.5 / (solid.a2 - solid.b2)),
+        (effective_stiffness[(0, 0)], solid.a1 / determinant),
+        (effective_stiffness[(0, 3)], solid.b1 / determinant),
+        (effective_stiffness[(1, 1)], 0.5 / (solid.a2 - solid.b2)),
+        (effective_stiffness[(1, 2)], 0.5 / (solid.a2 - solid.b2)),
     ];
     for (found, expected) in pairs {
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     }
 }
 
-/// Each constant states how far it is justified; invalid media give typed errors.
+/// Every constant states its validity; for an invalid medium the error names the constant.
 #[test]
-fn validity_and_errors() {
-    assert_eq!(Constant::A1.validity(), Validity::Exact);
-    assert_eq!(Constant::Alpha.validity(), Validity::LeadingOrder);
-    assert_eq!(Constant::Alpha2.validity(), Validity::NotUnique);
-    let not_unique = Constant::ALL.iter().filter(|c| c.validity() == Validity::NotUnique).count();
+fn constants_state_their_validity_and_invalid_media_are_refused() {
+    assert_eq!(EquivalentConstant::A1.validity(), Validity::Exact);
+    assert_eq!(EquivalentConstant::Alpha.validity(), Validity::LeadingOrder);
+    assert_eq!(EquivalentConstant::Alpha2.validity(), Validity::NotUnique);
+    let not_unique =
+        EquivalentConstant::ALL.iter().filter(|c| c.validity() == Validity::NotUnique).count();
     assert_eq!(not_unique, 1);
-    let mut bad = medium(1e-3);
-    bad.period = 0.0;
-    assert_eq!(bad.homogenise().map_err(|InputError { input, .. }| input), Err("period"));
-    let mut bad = medium(1e-3);
-    bad.block.longitudinal_speed = 3400.0;
+    let mut invalid_medium = blocky_medium(1e-3);
+    invalid_medium.period = 0.0;
     assert_eq!(
-        bad.homogenise().map_err(|InputError { input, .. }| input),
+        invalid_medium.homogenise().map_err(|InputError { input, .. }| input),
+        Err("period")
+    );
+    let mut invalid_medium = blocky_medium(1e-3);
+    invalid_medium.block.longitudinal_speed = 3400.0;
+    assert_eq!(
+        invalid_medium.homogenise().map_err(|InputError { input, .. }| input),
         Err("longitudinal_speed")
     );
 }

@@ -307,7 +307,7 @@ fn reused_system_equals_a_new_system() {
         let (kind, dilatancy) = MODEL_CASES[random.uniform_index(MODEL_CASES.len())];
         let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
         let flow = states::complete_flow(&model, &state);
-        model.symbol(&flow, &mut reused);
+        model.write_symbol(&flow, &mut reused);
         let fresh = states::assemble_symbol(&model, &flow);
         assert_eq!((&fresh.a, &fresh.b, &fresh.c), (&reused.a, &reused.b, &reused.c));
         assert_eq!(fresh.velocity, reused.velocity);

@@ -16,7 +16,7 @@ use wellposed_models::yield_set::YieldSet;
 use wellposed_models::yield_set::parameters::{
     ActiveCondition, InterlayerCoupleLimits, InterlayerYieldSet, Mises,
 };
-use wellposed_models::yield_set::tangent::tangent;
+use wellposed_models::yield_set::tangent::tangent_stiffness;
 
 fn random_solid(random: &mut RandomNumbers, theory: Theory) -> Isotropic {
     let mu = random.uniform(0.5, 2.0);
@@ -274,7 +274,7 @@ fn rounded_values(matrix: &RoundedMatrix) -> DMatrix<f64> {
 /// interlayer conditions.
 struct TangentCase {
     stresses: Vec<StressComponent>,
-    elastic_stiffness: RoundedMatrix,
+    stiffness: RoundedMatrix,
     conditions: Vec<ActiveCondition>,
 }
 
@@ -284,7 +284,7 @@ fn random_case(random: &mut RandomNumbers, number: usize) -> TangentCase {
     let in_plane = number.is_multiple_of(2);
     let layout = if in_plane { plane_layout(theory) } else { space_layout(theory) };
     let stresses: Vec<StressComponent> = layout.all_stresses().collect();
-    let elastic_stiffness = solid.stiffness(layout.all_stresses());
+    let stiffness = solid.stiffness(layout.all_stresses());
     let stress = random_stress(random);
     let conditions = if number % 4 < 2 {
         let condition = random_mises(random).condition(&stress).unwrap();
@@ -310,7 +310,7 @@ fn random_case(random: &mut RandomNumbers, number: usize) -> TangentCase {
         pairs.truncate(1 + random.uniform_index(pairs.len()));
         pairs
     };
-    TangentCase { stresses, elastic_stiffness, conditions }
+    TangentCase { stresses, stiffness, conditions }
 }
 
 /// The tangent stiffness annihilates normals and flow directions of conditions without hardening, does not depend on
@@ -322,11 +322,10 @@ fn tangent_annihilates_normals_and_flow_directions() {
     let [mut worst_order, mut worst_null] = [0.0f64; 2];
     let mut several = 0;
     for number in 0..3000 {
-        let TangentCase { stresses, elastic_stiffness, conditions } =
-            random_case(&mut random, number);
-        let own = rounded_values(&tangent(&elastic_stiffness, &stresses, &conditions).unwrap());
+        let TangentCase { stresses, stiffness, conditions } = random_case(&mut random, number);
+        let own = rounded_values(&tangent_stiffness(&stiffness, &stresses, &conditions).unwrap());
         several += usize::from(conditions.len() > 1);
-        let size = elastic_stiffness.map(|x| x.value).amax();
+        let size = stiffness.map(|x| x.value).amax();
         for condition in conditions.iter().filter(|c| c.hardening == 0.0) {
             let normal = DVector::from_vec(component_derivatives(&stresses, &condition.normal));
             let flow =
@@ -337,18 +336,18 @@ fn tangent_annihilates_normals_and_flow_directions() {
         }
         let mut reversed = conditions.clone();
         reversed.reverse();
-        let other = rounded_values(&tangent(&elastic_stiffness, &stresses, &reversed).unwrap());
+        let other = rounded_values(&tangent_stiffness(&stiffness, &stresses, &reversed).unwrap());
         worst_order = worst_order.max((&own - other).amax() / size);
         assert!(worst_order <= 1e-13, "{worst_order:e}");
         let conditions: Vec<ActiveCondition> =
             conditions.into_iter().map(with_associated_flow).collect();
-        let own = rounded_values(&tangent(&elastic_stiffness, &stresses, &conditions).unwrap());
+        let own = rounded_values(&tangent_stiffness(&stiffness, &stresses, &conditions).unwrap());
         assert!((&own - own.transpose()).amax() <= 1e-14 * size);
         let least = |m: DMatrix<f64>| m.symmetric_eigenvalues().min();
         assert!(least(own.clone()) >= -1e-13 * size);
-        assert!(least(rounded_values(&elastic_stiffness) - &own) >= -1e-13 * size);
+        assert!(least(rounded_values(&stiffness) - &own) >= -1e-13 * size);
         // The tangent stiffness differs from the elastic stiffness.
-        assert!((rounded_values(&elastic_stiffness) - &own).amax() > 1e-3 * size);
+        assert!((rounded_values(&stiffness) - &own).amax() > 1e-3 * size);
     }
     println!("order {worst_order:e}, null directions {worst_null:e}");
     assert!(several > 500, "{several}");
@@ -361,17 +360,14 @@ fn rounding_bounds_of_the_tangent_cover_the_direct_formula() {
     let mut random = RandomNumbers::new(5);
     let (mut worst, mut widest) = (0.0f64, 0.0f64);
     for number in 0..3000 {
-        let TangentCase { stresses, elastic_stiffness, conditions } =
-            random_case(&mut random, number);
-        let own = tangent(&elastic_stiffness, &stresses, &conditions).unwrap();
-        let size = rounded_values(&elastic_stiffness).amax();
+        let TangentCase { stresses, stiffness, conditions } = random_case(&mut random, number);
+        let own = tangent_stiffness(&stiffness, &stresses, &conditions).unwrap();
+        let size = rounded_values(&stiffness).amax();
         for perturbed in [false, true] {
             let mut part = || if perturbed { random.uniform(-1.0, 1.0) } else { 0.0 };
             let mut moved = |x: &Rounded| dd(x.value) + dd(x.bound * part());
-            let d: Vec<Vec<DoubleDouble>> = elastic_stiffness
-                .row_iter()
-                .map(|row| row.iter().map(&mut moved).collect())
-                .collect();
+            let d: Vec<Vec<DoubleDouble>> =
+                stiffness.row_iter().map(|row| row.iter().map(&mut moved).collect()).collect();
             // The plastic modulus is rounded from a decimal: perturb it by one unit roundoff.
             let hardening: Vec<f64> = conditions
                 .iter()
@@ -420,23 +416,22 @@ fn rounding_bounds_of_the_tangent_cover_the_direct_formula() {
 fn linearly_dependent_conditions_are_skipped() {
     let mut random = RandomNumbers::new(6);
     for number in 0..500 {
-        let TangentCase { stresses, elastic_stiffness, conditions } =
-            random_case(&mut random, number);
+        let TangentCase { stresses, stiffness, conditions } = random_case(&mut random, number);
         // Every condition is given twice, with associated flow and without hardening, since with hardening the plastic
         // flow would be distributed over equal conditions.
         let ideal: Vec<ActiveCondition> = conditions
             .into_iter()
             .map(|c| ActiveCondition { hardening: 0.0, ..with_associated_flow(c) })
             .collect();
-        let once = tangent(&elastic_stiffness, &stresses, &ideal).unwrap();
+        let once = tangent_stiffness(&stiffness, &stresses, &ideal).unwrap();
         let twice: Vec<ActiveCondition> = ideal.iter().chain(&ideal).copied().collect();
-        assert_eq!(tangent(&elastic_stiffness, &stresses, &twice).unwrap(), once);
+        assert_eq!(tangent_stiffness(&stiffness, &stresses, &twice).unwrap(), once);
     }
     // At the apex all eight conditions are active: four normals span (σ₁₁, σ₂₁, m₃₁), the other four span the remaining
     // stresses, so the tangent stiffness is zero in any order.
     let solid = random_solid(&mut random, Theory::Cosserat);
     let stresses = plane_layout(Theory::Cosserat).stresses;
-    let elastic_stiffness = solid.stiffness(stresses.iter().copied());
+    let stiffness = solid.stiffness(stresses.iter().copied());
     let mut all: Vec<ActiveCondition> = random_interlayer(&mut random)
         .half_spaces()
         .map(|(c, _)| with_associated_flow(c))
@@ -445,8 +440,8 @@ fn linearly_dependent_conditions_are_skipped() {
         for i in (1..all.len()).rev() {
             all.swap(i, random.uniform_index(i + 1));
         }
-        let own = rounded_values(&tangent(&elastic_stiffness, stresses, &all).unwrap());
-        assert!(own.amax() <= 1e-13 * rounded_values(&elastic_stiffness).amax(), "{own}");
+        let own = rounded_values(&tangent_stiffness(&stiffness, stresses, &all).unwrap());
+        assert!(own.amax() <= 1e-13 * rounded_values(&stiffness).amax(), "{own}");
     }
 }
 
@@ -460,7 +455,7 @@ fn nonpositive_plastic_denominator_is_an_error() {
         let solid = random_solid(&mut random, Theory::Classical);
         let (mu, bulk) = (solid.mu, solid.lambda + 2.0 / 3.0 * solid.mu);
         let stresses = space_layout(Theory::Classical).stresses;
-        let elastic_stiffness = solid.stiffness(stresses.iter().copied());
+        let stiffness = solid.stiffness(stresses.iter().copied());
         let mut stress = random_stress(&mut random);
         for i in 0..3 {
             for j in 0..i {
@@ -475,7 +470,7 @@ fn nonpositive_plastic_denominator_is_an_error() {
         ] {
             let set = Mises { hardening, ..Mises::new_drucker_prager(1.0, friction, dilatancy) };
             let condition = set.condition(&stress).unwrap();
-            let error = tangent(&elastic_stiffness, stresses, &[condition]).unwrap_err();
+            let error = tangent_stiffness(&stiffness, stresses, &[condition]).unwrap_err();
             let expected = hardening + mu + friction * dilatancy * bulk;
             let size = mu + friction * dilatancy.abs() * bulk + hardening.abs();
             assert!((error.value - expected).abs() <= 1e-14 * size, "{error} {expected}");
@@ -483,7 +478,9 @@ fn nonpositive_plastic_denominator_is_an_error() {
             assert!(error.to_string().contains(&format!("{:e}", error.value)), "{error}");
         }
         let set = Mises::new_drucker_prager(1.0, friction, critical * 0.9999);
-        assert!(tangent(&elastic_stiffness, stresses, &[set.condition(&stress).unwrap()]).is_ok());
+        assert!(
+            tangent_stiffness(&stiffness, stresses, &[set.condition(&stress).unwrap()]).is_ok()
+        );
     }
 }
 
@@ -497,15 +494,15 @@ fn uncertain_plastic_denominator_is_an_error() {
         let solid = random_solid(&mut random, Theory::Classical);
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let stresses = space_layout(Theory::Classical).stresses;
-        let elastic_stiffness = solid.stiffness(stresses.iter().copied());
+        let stiffness = solid.stiffness(stresses.iter().copied());
         let mut stress = Stress::default();
         (stress.force[0][1], stress.force[1][0]) = (1.0, 1.0);
         stress.force[2][2] = random.uniform(0.1, 1.0);
         let set = Mises::new_drucker_prager(1.0, 0.5, -solid.mu / (0.5 * bulk));
-        match tangent(&elastic_stiffness, stresses, &[set.condition(&stress).unwrap()]) {
+        match tangent_stiffness(&stiffness, stresses, &[set.condition(&stress).unwrap()]) {
             Err(error) => assert!(error.value.abs() <= 1e-14 * solid.mu),
             Ok(own) => {
-                assert_eq!(own, elastic_stiffness);
+                assert_eq!(own, stiffness);
                 skipped += 1;
             }
         }
@@ -515,7 +512,7 @@ fn uncertain_plastic_denominator_is_an_error() {
 
 /// Stress rate of an ideally plastic solid that yields at `stress`, from the nonlinear law at the strain rate `strain`.
 fn stress_rate(
-    elastic_stiffness: &DMatrix<f64>,
+    stiffness: &DMatrix<f64>,
     set: &Mises,
     components: &[StressComponent],
     stress: &DVector<f64>,
@@ -528,8 +525,8 @@ fn stress_rate(
     let condition = set.condition(&tensor).expect("off the axis");
     let [n, m] = [condition.normal, condition.flow_direction]
         .map(|g| DVector::from_vec(component_derivatives(components, &g)));
-    let rate = n.dot(&(elastic_stiffness * strain)) / n.dot(&(elastic_stiffness * &m));
-    elastic_stiffness * (strain - m * rate)
+    let rate = n.dot(&(stiffness * strain)) / n.dot(&(stiffness * &m));
+    stiffness * (strain - m * rate)
 }
 
 /// In a background that flows plastically at the multiplier rate Λ with constant stress, perturbations s′ of the stress
@@ -553,13 +550,13 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         }
         let condition = set.condition(&tensor).expect("off the axis");
         let stiffness = solid.stiffness(layout.all_stresses());
-        let elastic_stiffness = rounded_values(&stiffness);
+        let stiffness_values = rounded_values(&stiffness);
         let plastic_rate = random.uniform(0.2, 2.0);
         let strain =
             DVector::from_vec(component_derivatives(&components, &condition.flow_direction))
                 * plastic_rate;
         let at = |stress: &DVector<f64>| {
-            stress_rate(&elastic_stiffness, &set, &components, stress, &strain)
+            stress_rate(&stiffness_values, &set, &components, stress, &strain)
         };
         assert!(at(&stress).amax() < 1e-13, "the background's stress stays");
 
@@ -580,8 +577,9 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
             assert!((&curvature * along).amax() < 1e-13 * curvature.amax());
         }
 
-        let tangent =
-            rounded_values(&tangent(&stiffness, &components, &[condition]).expect("response"));
+        let tangent = rounded_values(
+            &tangent_stiffness(&stiffness, &components, &[condition]).expect("response"),
+        );
         let expected = -tangent * curvature * plastic_rate;
         let step = 1e-5;
         for column in 0..components.len() {

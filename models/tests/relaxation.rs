@@ -312,11 +312,13 @@ fn increments_agree_in_single_precision_and_in_plane_strain() {
     };
     let stress = SymmetricTensor { normal: [0.7, -0.2, 1.1], shear: [0.4] };
     let strain = SymmetricTensor { normal: [0.1, 0.3, -0.4], shear: [-0.2] };
-    let plane = step.increments(stress, strain);
+    let plane = step.compute_increments(stress, strain);
     // Increments do not depend on the mean stress and strain.
     let shifted = SymmetricTensor { normal: stress.normal.map(|x| x + 0.75), ..stress };
-    let means = step
-        .increments(shifted, SymmetricTensor { normal: strain.normal.map(|x| x - 0.5), ..strain });
+    let means = step.compute_increments(
+        shifted,
+        SymmetricTensor { normal: strain.normal.map(|x| x - 0.5), ..strain },
+    );
     for (found, expected) in means.stress.normal.into_iter().zip(plane.stress.normal) {
         assert!((found - expected).abs() < 1e-15, "{found} {expected}");
     }
@@ -326,7 +328,7 @@ fn increments_agree_in_single_precision_and_in_plane_strain() {
         normal: own.normal.map(f32::from_f64),
         shear: own.shear.map(f32::from_f64),
     };
-    let found = narrow.increments(to_single_precision(stress), to_single_precision(strain));
+    let found = narrow.compute_increments(to_single_precision(stress), to_single_precision(strain));
     for (found, expected) in found.stress.normal.into_iter().zip(plane.stress.normal) {
         assert!((f64::from(found) - expected).abs() < 1e-6);
     }
@@ -335,7 +337,7 @@ fn increments_agree_in_single_precision_and_in_plane_strain() {
         normal: own.normal,
         shear: [own.shear[0], 0.0, 0.0],
     };
-    let space = step.increments(to_space(stress), to_space(strain));
+    let space = step.compute_increments(to_space(stress), to_space(strain));
     assert_eq!(space.viscous_strain, to_space(plane.viscous_strain));
     assert_eq!(space.dissipated_energy, plane.dissipated_energy);
 }

@@ -2,11 +2,11 @@
 
 use super::load::{load_case, print_hints};
 use super::progress::run_with_progress;
-use super::write::{planned_paths, print_plan, write_report};
+use super::write::{list_planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, OutputError, ResultFolder};
 use crate::cli::options::create_thread_pool;
-use crate::cli::{Error, Options, OutputFormat};
+use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::SCHEMA_VERSION;
 use crate::report::check::{format_scientific, format_unmeasured_count};
 use crate::setup::check::CheckPlan;
@@ -17,35 +17,40 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Runs `check` on a case, or on all cases in a folder.
+/// Runs the verb `check` on a case, or on all cases in a folder.
 ///
 /// # Errors
 /// A case cannot be read or is invalid, its state cannot be analysed, the folder contains no case, the threads cannot
 /// be started, results cannot be written, or measurement and prediction disagree. A case that no solver supports is no
 /// error.
-pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let pool = create_thread_pool(options.threads)?;
+pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
+    let pool = create_thread_pool(options.thread_count)?;
     match options.case_path.is_dir() {
         true => check_folder(options, &pool, stdout),
         false => check_case(options, &pool, stdout),
     }
 }
 
-fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
+fn check_case(
+    options: &Options,
+    pool: &ThreadPool,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
     let case = load_case(options)?;
     let plan = CheckPlan::new(&case, CheckExtent::Full)?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
         // The two pictures of a refinement are the last entries of `CHECK_FILES`.
-        let refines = matches!(&plan, CheckPlan::Flow(flow) if !flow.grids.is_empty());
+        let refines =
+            matches!(&plan, CheckPlan::Flow(flow) if !flow.refined_point_counts.is_empty());
         let count = if refines { folder::CHECK_FILES.len() } else { folder::CHECK_FILES.len() - 2 };
-        let paths = planned_paths(&folder, &folder::CHECK_FILES[..count]);
+        let paths = list_planned_paths(&folder, &folder::CHECK_FILES[..count]);
         return print_plan(&describe_plan(&plan), &paths, options.format, stdout);
     }
     let found = check_with_progress(&case, CheckExtent::Full, pool)?;
     write_report(&found, &case, &folder, options.format, stdout)?;
-    let [all, failed] = found.row_counts();
-    refuse_disagreement(failed, all, "rows")
+    let [all, failed] = found.item_and_failure_counts();
+    fail_on_disagreement(failed, all, "rows")
 }
 
 fn check_with_progress(
@@ -61,7 +66,7 @@ fn check_with_progress(
 /// Describes the planned measurements for a dry run.
 fn describe_plan(plan: &CheckPlan) -> String {
     match plan {
-        CheckPlan::Solid { media, blocks } => {
+        CheckPlan::Solid { medium_plans: media, blocky_medium_plans: blocks } => {
             let count: usize = media.iter().map(|own| own.waves.waves.len()).sum();
             let of_blocks = match blocks.len() {
                 0 => String::new(),
@@ -73,7 +78,7 @@ fn describe_plan(plan: &CheckPlan) -> String {
             format!("say that the case is not measurable: {reason}")
         }
         CheckPlan::Flow(flow) => {
-            let grids = match flow.grids.len() {
+            let grids = match flow.refined_point_counts.len() {
                 0 => String::new(),
                 count => format!(", and one perturbation on {count} grids"),
             };
@@ -82,20 +87,30 @@ fn describe_plan(plan: &CheckPlan) -> String {
     }
 }
 
-fn refuse_disagreement(failed: usize, total: usize, noun: &'static str) -> Result<(), Error> {
+fn fail_on_disagreement(
+    failed: usize,
+    total: usize,
+    noun: &'static str,
+) -> Result<(), CommandError> {
     match failed {
         0 => Ok(()),
-        _ => Err(Error::Disagreement { failed, total, noun }),
+        _ => {
+            Err(CommandError::Disagreement { disagreeing_count: failed, total_count: total, noun })
+        }
     }
 }
 
 /// Checks all cases in a folder and its subfolders with [`CheckExtent::Short`]; writes no files.
-fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
+fn check_folder(
+    options: &Options,
+    pool: &ThreadPool,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
     let mut files = Vec::new();
     collect_case_files(&options.case_path, &mut files)?;
     files.sort();
     if files.is_empty() {
-        return Err(Error::NoCases { folder: options.case_path.display().to_string() });
+        return Err(CommandError::NoCaseFiles { folder: options.case_path.display().to_string() });
     }
     if options.is_dry_run {
         let plan = format!("check {} cases and write nothing", files.len());
@@ -107,16 +122,16 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
         print_hints(&case);
         let name = path.display().to_string();
         let line = match check_with_progress(&case, CheckExtent::Short, pool) {
-            Ok(found) => CaseLine::from_result(&name, &found),
-            Err(crate::Error::Case(error)) => CaseLine {
+            Ok(found) => CaseCheckSummary::from_result(&name, &found),
+            Err(crate::Error::Case(error)) => CaseCheckSummary {
                 text: format!("FAILS: {error}"),
                 json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
-                agrees: Some(false),
+                is_in_agreement: Some(false),
             },
             Err(error) => return Err(error.into()),
         };
-        all += usize::from(line.agrees.is_some());
-        failed += usize::from(line.agrees == Some(false));
+        all += usize::from(line.is_in_agreement.is_some());
+        failed += usize::from(line.is_in_agreement == Some(false));
         if options.format == OutputFormat::Text {
             writeln!(stdout, "{name:<56} {}", line.text)?;
             stdout.flush()?;
@@ -130,28 +145,29 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
             json!({ "schema": SCHEMA_VERSION, "agrees": failed == 0, "cases": list })
         )?;
     }
-    refuse_disagreement(failed, all, "cases")
+    fail_on_disagreement(failed, all, "cases")
 }
 
-/// Result of the check of one case in a folder, as a line of text and as JSON.
-struct CaseLine {
+/// Result of the check of one case of a folder, as a line of text and as JSON.
+struct CaseCheckSummary {
     text: String,
     json: Value,
-    /// Whether no row disagrees; also false if the case is invalid; `None` if no solver supports the case.
-    agrees: Option<bool>,
+    /// Whether all measurements of the case agree; false for an invalid case; `None` if no solver supports the case.
+    is_in_agreement: Option<bool>,
 }
 
-impl CaseLine {
+impl CaseCheckSummary {
     fn from_result(name: &str, found: &CheckResult) -> Self {
         if let CheckOutcome::NotMeasurable { reason } = &found.outcome {
             let text = format!("not measurable: {reason}");
             let json = json!({ "case": name, "not_measurable": reason });
-            return Self { text, json, agrees: None };
+            return Self { text, json, is_in_agreement: None };
         }
-        let ([rows, wrong], greatest) = (found.row_counts(), found.max_relative_difference());
-        let agrees = wrong == 0;
+        let ([rows, wrong], greatest) =
+            (found.item_and_failure_counts(), found.max_relative_difference());
+        let is_in_agreement = wrong == 0;
         let left = format_unmeasured_count(found.unmeasured_count());
-        let verdict = match (greatest, agrees) {
+        let verdict = match (greatest, is_in_agreement) {
             (None, _) => "nothing measured".to_owned(),
             (Some(greatest), true) => {
                 format!("maximum error {}: agrees", format_scientific(greatest))
@@ -164,12 +180,12 @@ impl CaseLine {
             text: format!("{rows:>3} waves, {verdict}{left}"),
             json: json!({
                 "case": name,
-                "agrees": greatest.map(|_| agrees),
+                "agrees": greatest.map(|_| is_in_agreement),
                 "waves": rows,
                 "waves_not_measurable": found.unmeasured_count(),
                 "greatest_difference": greatest,
             }),
-            agrees: Some(agrees),
+            is_in_agreement: Some(is_in_agreement),
         }
     }
 }

@@ -2,25 +2,25 @@
 
 use super::load::load_case;
 use super::progress::run_with_progress;
-use super::write::{planned_paths, print_plan, write_report};
+use super::write::{list_planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
-use crate::cli::{Error, Options};
+use crate::cli::{CommandError, Options};
 use crate::report::format::format_short;
 use crate::{setup, study};
 use std::io::Write;
 
-/// Runs `dispersion`.
+/// Runs the verb `dispersion`: computes the dispersion relation of the case and writes its report.
 ///
 /// # Errors
 /// The case is invalid, or results cannot be written.
-pub fn run_dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+pub fn run_dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let case = load_case(options)?;
     if case.has_joints() {
         return run_bloch(&case, options, stdout);
     }
-    let pool = create_thread_pool(options.threads)?;
+    let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "dispersion", |on_progress| {
         study::compute_dispersion(&case, on_progress)
     })?;
@@ -28,22 +28,22 @@ pub fn run_dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), E
     if options.is_dry_run {
         let greatest = format_short(found.max_wave_number);
         let plan = format!("follow the waves up to k = {greatest} 1/m");
-        let paths = planned_paths(&folder, &folder::DISPERSION_FILES);
+        let paths = list_planned_paths(&folder, &folder::DISPERSION_FILES);
         return print_plan(&plan, &paths, options.format, stdout);
     }
     write_report(&found, &case, &folder, options.format, stdout)
 }
 
-/// Runs `dispersion` for a blocky medium.
-fn run_bloch(case: &Case, options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+/// Runs the verb `dispersion` for a blocky medium: computes its Bloch waves and writes the report.
+fn run_bloch(case: &Case, options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let folder = ResultFolder::from_case(case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
         setup::blocky::BlochProblem::new(case).map_err(crate::Error::from)?;
         let plan = "compute Bloch waves along the path Γ–X–M–Γ of the Brillouin zone";
-        let paths = planned_paths(&folder, &folder::BLOCH_FILES);
+        let paths = list_planned_paths(&folder, &folder::BLOCH_FILES);
         return print_plan(plan, &paths, options.format, stdout);
     }
-    let pool = create_thread_pool(options.threads)?;
+    let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "dispersion", |on_progress| {
         study::compute_bloch_waves(case, on_progress)
     })?;

@@ -1,4 +1,4 @@
-//! Errors of the verbs, and the exit code and JSON object of each.
+//! Errors of the command line verbs, with the exit code and the JSON object of each.
 
 use super::folder::OutputError;
 use crate::case::{CaseError, SourcePosition, YieldSetError};
@@ -7,58 +7,58 @@ use crate::study::simulate::{IllPosedness, StopReport};
 use dynamics::decomposition::ThreadStartError;
 use serde_json::{Value, json};
 
-/// Exit code of an interrupted program.
+/// Exit code of the program after an interrupt by a signal.
 pub(super) const INTERRUPTED_CODE: u8 = 130;
 
-/// Reason why a verb failed.
+/// Reason why a verb of the command line failed.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum CommandError {
     /// The case is invalid, or the study failed.
     #[error(transparent)]
     Study(crate::Error),
     /// The model cannot be combined with a yield set.
     #[error(transparent)]
-    Medium(#[from] YieldSetError),
-    /// Results cannot be written or read.
+    YieldSet(#[from] YieldSetError),
+    /// Result files cannot be written or read.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A simulation was stopped by its own state, such as a non-finite field.
+    /// A simulation was stopped because of its state, such as a non-finite field.
     #[error(transparent)]
-    Stopped(#[from] StopReport),
+    SimulationStopped(#[from] StopReport),
     /// The equations of the flow are ill-posed, and `--accept-ill-posed` was not given.
     #[error("{0}; --accept-ill-posed runs it all the same")]
     IllPosed(IllPosedness),
-    /// Measurement and prediction disagree in a check.
-    #[error("{failed} of {total} {noun} disagree")]
+    /// Measured and predicted rates disagree in a check.
+    #[error("{disagreeing_count} of {total_count} {noun} disagree")]
     Disagreement {
-        /// Number of rows or cases that disagree.
-        failed: usize,
-        /// Total number of rows or cases.
-        total: usize,
-        /// Noun of the message: rows or cases.
+        /// Number of branches or cases that disagree.
+        disagreeing_count: usize,
+        /// Total number of checked branches or cases.
+        total_count: usize,
+        /// Noun of the message: `rows` or `cases`.
         noun: &'static str,
     },
     /// The folder to be checked contains no case file.
     #[error(
         "{folder}: no case file (*.toml) in the folder or below; name a case file, or a folder that holds some"
     )]
-    NoCases {
-        /// Path of the folder.
+    NoCaseFiles {
+        /// Path of the folder that contains no case file.
         folder: String,
     },
     /// Result files differ from their checksums, are missing or have no checksum.
-    #[error("{folder}: {damaged} damaged or missing {}", if *.damaged == 1 { "file" } else { "files" })]
-    Damaged {
+    #[error("{folder}: {damaged_count} damaged or missing {}", if *.damaged_count == 1 { "file" } else { "files" })]
+    DamagedFiles {
         /// Number of files that are damaged, missing or without checksum.
-        damaged: usize,
+        damaged_count: usize,
         /// Results folder.
         folder: String,
     },
     /// A signal interrupted a run, which can be resumed.
-    #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
+    #[error("interrupted at {simulated_time} s; wellposed resume {folder} goes on")]
     Interrupted {
         /// Simulated time reached, s.
-        time: String,
+        simulated_time: String,
         /// Results folder.
         folder: String,
     },
@@ -71,16 +71,16 @@ pub enum Error {
         /// Results folder.
         folder: String,
     },
-    /// Threads could not be started.
+    /// The threads of the thread pool could not be started; contains the message of the operating system.
     #[error("cannot start the threads: {0}")]
-    Threads(String),
+    ThreadStart(String),
     /// The threads of a time step could not be started. Output and the last checkpoint are complete.
     #[error(
-        "{error}; wellposed resume {folder} goes on from the last checkpoint, or from the start without one"
+        "{cause}; wellposed resume {folder} goes on from the last checkpoint, or from the start without one"
     )]
-    StepThreads {
-        /// Reason.
-        error: ThreadStartError,
+    StepThreadStart {
+        /// Reason why the threads could not be started.
+        cause: ThreadStartError,
         /// Results folder.
         folder: String,
     },
@@ -89,35 +89,40 @@ pub enum Error {
     Stdout(#[from] std::io::Error),
 }
 
-impl Error {
+impl CommandError {
     /// Returns the program's exit code: 0 if standard output is a pipe that its reader has closed, 1 if a check
-    /// disagreed or files are damaged, 3 if a run was stopped by its own state, 130 if it was interrupted, otherwise 2.
+    /// disagreed or files are damaged, 3 if a run was stopped because of its state, 130 if it was interrupted,
+    /// otherwise 2.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
-            Self::Disagreement { .. } | Self::Damaged { .. } => 1,
-            Self::Stopped(_) => 3,
+            Self::Disagreement { .. } | Self::DamagedFiles { .. } => 1,
+            Self::SimulationStopped(_) => 3,
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } => INTERRUPTED_CODE,
             _ => 2,
         }
     }
 }
 
-impl Error {
-    /// Converts the error of a run in `folder`, which can be resumed if threads could not be started.
+impl CommandError {
+    /// Converts the error of a run in the results folder `folder`. If threads could not be started, the error states
+    /// that the run can be resumed.
     pub(super) fn from_run_error(error: crate::Error, folder: &str) -> Self {
         match error {
-            crate::Error::Threads(error) => Self::StepThreads { error, folder: folder.to_owned() },
+            crate::Error::Threads(error) => {
+                Self::StepThreadStart { cause: error, folder: folder.to_owned() }
+            }
             other => other.into(),
         }
     }
 
-    /// Converts the error to a JSON object: kind, printed message and exit code; for errors of cases and files also the
-    /// place, the value or fault found, and the values allowed or the remedy. A key that does not apply is `null`.
+    /// Converts the error to a JSON object: kind, printed message and exit code. Errors of cases and files also contain
+    /// the position or path, the value or fault found, and the allowed values or the remedy. A key that does not apply
+    /// is `null`.
     pub fn to_json(&self) -> Value {
         let mut all = create_error_object(self.kind(), &self.to_string(), self.exit_code().into());
         match self {
-            Self::Study(crate::Error::Case(error)) => add_case_place(&mut all, error),
+            Self::Study(crate::Error::Case(error)) => add_case_position(&mut all, error),
             Self::Output(OutputError { path, cause, remedy }) => {
                 all["file"] = path.display().to_string().into();
                 all["found"] = cause.as_str().into();
@@ -128,33 +133,33 @@ impl Error {
         all
     }
 
-    /// Returns the value of `kind` in the JSON object, one word.
+    /// Returns the kind of the error, one word: the value of `kind` in the JSON object.
     fn kind(&self) -> &'static str {
         match self {
-            Self::Study(crate::Error::Case(_)) | Self::Medium(_) => "case",
+            Self::Study(crate::Error::Case(_)) | Self::YieldSet(_) => "case",
             Self::Study(crate::Error::Memory { .. }) => "memory",
             Self::Study(crate::Error::IllPosed(_)) | Self::IllPosed(_) => "ill-posed",
             Self::Output(_) => "output",
-            Self::Stopped(_) => "stopped",
+            Self::SimulationStopped(_) => "stopped",
             Self::Disagreement { .. } => "disagreement",
-            Self::Damaged { .. } => "damage",
-            Self::NoCases { .. } => "usage",
+            Self::DamagedFiles { .. } => "damage",
+            Self::NoCaseFiles { .. } => "usage",
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } => "interrupted",
-            Self::Threads(_) | Self::StepThreads { .. } | Self::Study(crate::Error::Threads(_)) => {
-                "threads"
-            }
+            Self::ThreadStart(_)
+            | Self::StepThreadStart { .. }
+            | Self::Study(crate::Error::Threads(_)) => "threads",
             Self::Study(_) => "result",
             Self::Stdout(_) => "stdout",
         }
     }
 
     /// Converts a command-line error with this message to the JSON object of [`Self::to_json`].
-    pub fn usage_to_json(message: &str) -> Value {
+    pub fn usage_error_to_json(message: &str) -> Value {
         create_error_object("usage", message, 2)
     }
 }
 
-/// Creates the JSON object of an error, with `null` for the place.
+/// Creates the JSON object of an error, with `null` for position, value and remedy.
 fn create_error_object(kind: &str, message: &str, exit_code: i64) -> Value {
     json!({
         "schema": SCHEMA_VERSION,
@@ -170,27 +175,27 @@ fn create_error_object(kind: &str, message: &str, exit_code: i64) -> Value {
     })
 }
 
-/// Adds the place, the value found and the values allowed of a case error.
-fn add_case_place(all: &mut Value, error: &CaseError) {
-    let place = match error {
+/// Adds the position in the case file, the value found and the allowed values of a case error to a JSON object.
+fn add_case_position(all: &mut Value, error: &CaseError) {
+    let position = match error {
         CaseError::Unreadable { path, cause } => {
             all["file"] = path.display().to_string().into();
             all["found"] = cause.as_str().into();
             all["allowed"] = "a case file".into();
             return;
         }
-        CaseError::Syntax { place, cause } => {
+        CaseError::Syntax { position, cause } => {
             all["found"] = cause.as_str().into();
-            place
+            position
         }
-        CaseError::Key { place, key, found, allowed } => {
+        CaseError::Key { position, key, found, allowed } => {
             all["key"] = key.as_str().into();
             all["found"] = found.as_str().into();
             all["allowed"] = allowed.as_str().into();
-            place
+            position
         }
     };
-    match place {
+    match position {
         SourcePosition::Line { file, line } => {
             all["file"] = file.as_str().into();
             all["line"] = (*line).into();
@@ -200,8 +205,8 @@ fn add_case_place(all: &mut Value, error: &CaseError) {
     }
 }
 
-/// Unwraps an error of this type from [`crate::Error::Recorder`].
-impl From<crate::Error> for Error {
+/// Unwraps the error from [`crate::Error::Recorder`] if a recorder of this module returned it.
+impl From<crate::Error> for CommandError {
     fn from(error: crate::Error) -> Self {
         match error {
             crate::Error::Recorder(own) => match own.downcast::<Self>() {
@@ -214,16 +219,16 @@ impl From<crate::Error> for Error {
 }
 
 /// Wraps an error for return by a recorder, which ends the run.
-impl From<Error> for crate::Error {
-    fn from(error: Error) -> Self {
+impl From<CommandError> for crate::Error {
+    fn from(error: CommandError) -> Self {
         match error {
-            Error::Study(error) => error,
+            CommandError::Study(error) => error,
             error => Self::Recorder(Box::new(error)),
         }
     }
 }
 
-impl From<CaseError> for Error {
+impl From<CaseError> for CommandError {
     fn from(error: CaseError) -> Self {
         Self::Study(error.into())
     }
@@ -233,18 +238,18 @@ impl From<CaseError> for Error {
 mod tests {
     use super::*;
 
-    /// Verifies exit code, kind and message of an error of threads within a run.
+    /// Verifies exit code, kind and message of the error that the threads of a time step cannot be started.
     #[test]
-    fn threads_of_a_step_that_do_not_start_exit_with_2() {
+    fn step_threads_that_cannot_start_exit_with_2() {
         let cause = "Resource temporarily unavailable".to_owned();
-        let error = Error::from_run_error(ThreadStartError { cause }.into(), "out/case");
+        let error = CommandError::from_run_error(ThreadStartError { cause }.into(), "out/case");
         assert_eq!(error.exit_code(), 2);
         assert_eq!(error.to_json()["kind"], "threads");
         let message = error.to_string();
         for part in ["cannot start the threads", "unavailable", "wellposed resume out/case"] {
             assert!(message.contains(part), "{message}");
         }
-        let other = Error::from_run_error(crate::Error::Cancelled, "out/case");
-        assert!(matches!(other, Error::Study(crate::Error::Cancelled)), "{other}");
+        let other = CommandError::from_run_error(crate::Error::Cancelled, "out/case");
+        assert!(matches!(other, CommandError::Study(crate::Error::Cancelled)), "{other}");
     }
 }

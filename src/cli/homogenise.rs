@@ -3,7 +3,7 @@
 use super::load::load_case;
 use super::new::check_new_file;
 use super::write::print_plan;
-use super::{Error, Options, OutputFormat};
+use super::{CommandError, Options, OutputFormat};
 use crate::case::ContinuumOptions;
 use crate::cli::folder::write_file;
 use crate::report::{self, Report};
@@ -11,8 +11,9 @@ use crate::study;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Runs `homogenise`. [`Options::output_folder`] is the file to write, or the folder for it if it is a folder or ends with a
-/// slash; by default the file is `<case name>-continuum.toml`.
+/// Runs the verb `homogenise`: writes the case of the equivalent continuum of a blocky medium.
+/// [`Options::output_folder`] is the path of the file to write; if it is a folder or ends with a slash, the file is
+/// written to that folder. By default the file is `<case name>-continuum.toml`.
 ///
 /// # Errors
 /// The case has no equivalent continuum, the file exists and `force` is not set, or it cannot be written.
@@ -20,10 +21,10 @@ pub fn run_homogenise(
     options: &Options,
     continuum: &ContinuumOptions,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     let case = load_case(options)?;
     let mut found = study::homogenise(&case, continuum)?;
-    let path = output_path(options.output_folder.as_deref(), &found.continuum.case.name);
+    let path = output_path(options.output_folder.as_deref(), &found.continuum_case.case.name);
     check_new_file(&path, options.force)?;
     let name = path.display().to_string();
     if options.is_dry_run {
@@ -34,7 +35,7 @@ pub fn run_homogenise(
         std::fs::create_dir_all(folder)
             .map_err(|error| super::folder::OutputError::new(folder, error))?;
     }
-    write_file(&path, found.continuum.toml.as_bytes())?;
+    write_file(&path, found.continuum_case.toml.as_bytes())?;
     found.written_path = Some(name.clone());
     match options.format {
         OutputFormat::Json => writeln!(stdout, "{:#}", report::to_json(&found)?)?,
@@ -46,7 +47,7 @@ pub fn run_homogenise(
     Ok(())
 }
 
-/// Path of the file to write for the option `--out`.
+/// Returns the path of the file to write, from the value of the option `--out` and the name of the case.
 fn output_path(out: Option<&Path>, name: &str) -> PathBuf {
     let file = format!("{name}.toml");
     match out {

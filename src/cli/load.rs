@@ -1,17 +1,17 @@
 //! Loading of case files, with hints on standard error.
 
-use super::{Error, Options};
+use super::{CommandError, Options};
 use crate::case::Case;
 use std::io::Write;
 
-/// Loads the case of a verb and prints its hints.
-pub(super) fn load_case(options: &Options) -> Result<Case, Error> {
+/// Loads the case file of a verb and prints hints on former key names in it.
+pub(super) fn load_case(options: &Options) -> Result<Case, CommandError> {
     let case = Case::load(&options.case_path, &options.settings)?;
     print_hints(&case);
     Ok(case)
 }
 
-/// Prints the hints on former names in a case to standard error.
+/// Prints the hints on former key names in a case to standard error.
 pub(super) fn print_hints(case: &Case) {
     for hint in case.hints() {
         // A closed standard error is ignored.

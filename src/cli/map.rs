@@ -2,15 +2,15 @@
 
 use super::load::load_case;
 use super::progress::run_with_progress;
-use super::write::{planned_paths, print_plan, write_report};
+use super::write::{list_planned_paths, print_plan, write_report};
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
-use crate::cli::{Error, Options};
+use crate::cli::{CommandError, Options};
 use crate::study;
 use crate::study::MapOptions;
 use std::io::Write;
 
-/// Runs `map`.
+/// Runs the verb `map`: assesses all points of the map of a case and writes the report.
 ///
 /// # Errors
 /// The case cannot be read, has no map or is invalid at all of its points, memory is insufficient, or results cannot be
@@ -19,21 +19,21 @@ pub fn run_map(
     options: &Options,
     map_options: MapOptions,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     let case = load_case(options)?;
     let map = *case.require_map()?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     let states = map.x.point_count * map.y.point_count;
     if options.is_dry_run {
-        let pool = create_thread_pool(options.threads)?;
+        let pool = create_thread_pool(options.thread_count)?;
         run_with_progress(&pool, "checking states", |on_progress| {
             study::check_map(&case, on_progress)
         })?;
         let plan = format!("assess {states} states: {} × {}", map.x, map.y);
-        let paths = planned_paths(&folder, &folder::MAP_FILES);
+        let paths = list_planned_paths(&folder, &folder::MAP_FILES);
         return print_plan(&plan, &paths, options.format, stdout);
     }
-    let pool = create_thread_pool(options.threads)?;
+    let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "assessing states", |on_progress| {
         study::compute_map(&case, map_options, on_progress)
     })?;

@@ -1,4 +1,4 @@
-//! Verbs of the command line: each runs a study, renders its report and writes the results folder.
+//! Verbs of the command line. Each runs a study, renders its report and writes the results folder.
 
 pub mod cases;
 mod check;
@@ -22,7 +22,7 @@ mod write;
 
 pub use check::run_check;
 pub use dispersion::run_dispersion;
-pub use error::Error;
+pub use error::CommandError;
 pub use homogenise::run_homogenise;
 pub use map::run_map;
 pub use options::{Options, OutputFormat};

@@ -1,5 +1,5 @@
-//! Progress of work that takes longer than a second, with the estimated remaining time: a bar on terminals, elsewhere a
-//! line every ten seconds.
+//! Progress display of work that takes longer than a second, with the estimated remaining time: a bar on terminals,
+//! otherwise a line every ten seconds, also during a long increment.
 
 use crate::report::run::DisplayTime;
 use crate::study::ProgressCallback;
@@ -7,42 +7,64 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::ThreadPool;
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::{Mutex, Once, OnceLock};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, Once, mpsc};
 use std::time::{Duration, Instant};
 
 /// Time from the start of the work to the appearance of the progress bar.
 const PROGRESS_BAR_DELAY: Duration = Duration::from_secs(1);
 /// Interval between progress lines, printed where standard error is not a terminal.
 pub(super) const PROGRESS_LINE_INTERVAL: Duration = Duration::from_secs(10);
+/// Interval at which a thread checks whether a progress line is due.
+const LINE_CHECK_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Runs a study on the threads of a pool and shows its progress, labelled `name`.
+/// Runs a study on the threads of a pool and shows its progress with the label `name`. Where standard error is not a
+/// terminal, another thread prints the lines that become due while the study reports no progress; if that thread cannot
+/// be started, only reports of the study print lines.
 pub fn run_with_progress<T: Send>(
     pool: &ThreadPool,
     name: &'static str,
     study: impl FnOnce(ProgressCallback) -> T + Send,
 ) -> T {
-    let progress = OnceLock::new();
+    let progress = DelayedProgressBar::new(name, 1);
     let on_progress = |done: usize, all: usize| {
-        let progress = progress.get_or_init(|| DelayedProgressBar::new(name, all as u64));
         progress.advance_to(done as u64, all as u64);
         ControlFlow::Continue(())
     };
-    pool.install(|| study(&on_progress))
+    if progress.progress_bar.is_some() {
+        return pool.install(|| study(&on_progress));
+    }
+    std::thread::scope(|scope| {
+        let (end, ended) = mpsc::channel::<()>();
+        let progress = &progress;
+        let print_due_lines = move || {
+            while ended.recv_timeout(LINE_CHECK_INTERVAL) == Err(mpsc::RecvTimeoutError::Timeout) {
+                progress.print_line_if_due();
+            }
+        };
+        let _ = std::thread::Builder::new().spawn_scoped(scope, print_due_lines);
+        let result = pool.install(|| study(&on_progress));
+        // Without a sender the thread ends.
+        drop(end);
+        result
+    })
 }
 
 /// Thread-safe progress display on standard error; a bar is cleared on drop.
 pub struct DelayedProgressBar {
-    name: &'static str,
+    label: &'static str,
     /// Progress bar; `None` if standard error is not a terminal.
-    bar: Option<ProgressBar>,
-    /// Time of the last progress line, initially of the start; used if standard error is not a terminal.
-    last_line: Mutex<Instant>,
+    progress_bar: Option<ProgressBar>,
+    /// Time of the last progress line, or of the start before the first line; used if standard error is not a terminal.
+    last_line_time: Mutex<Instant>,
+    /// Numbers of done and of all steps for progress lines.
+    step_counts: [AtomicU64; 2],
     start_time: Instant,
-    show_once: Once,
+    first_display: Once,
 }
 
 impl DelayedProgressBar {
-    /// Creates the bar for `total` steps, labelled `name`.
+    /// Creates the bar for `total` steps with the label `name`.
     pub fn new(name: &'static str, total: u64) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} %, {eta} left")
@@ -51,19 +73,26 @@ impl DelayedProgressBar {
             bar.with_style(style).with_message(name)
         });
         let now = Instant::now();
-        Self { name, bar, last_line: Mutex::new(now), start_time: now, show_once: Once::new() }
+        Self {
+            label: name,
+            progress_bar: bar,
+            last_line_time: Mutex::new(now),
+            step_counts: [AtomicU64::new(0), AtomicU64::new(total)],
+            start_time: now,
+            first_display: Once::new(),
+        }
     }
 
-    /// Sets the message beside the bar.
+    /// Sets the message to the right of the bar.
     pub fn set_message(&self, text: String) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = &self.progress_bar {
             bar.set_message(text);
         }
     }
 
     /// Advances the bar by `steps`; prints no line.
     pub fn advance_by(&self, steps: u64) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = &self.progress_bar {
             self.show_after_delay(bar);
             bar.inc(steps);
         }
@@ -71,41 +100,51 @@ impl DelayedProgressBar {
 
     /// Sets the position to `done` of `all` steps. Threads may report in any order: the bar never goes back.
     fn advance_to(&self, done: u64, all: u64) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = &self.progress_bar {
             self.show_after_delay(bar);
             bar.set_length(all);
             bar.set_position(done.max(bar.position()));
         } else {
-            self.print_line(done, all);
+            self.step_counts[1].store(all, Ordering::Relaxed);
+            self.step_counts[0].fetch_max(done, Ordering::Relaxed);
+            self.print_line_if_due();
         }
     }
 
     /// Prints a progress line if the last one, or at first the start, is at least [`PROGRESS_LINE_INTERVAL`] ago.
-    fn print_line(&self, done: u64, all: u64) {
+    fn print_line_if_due(&self) {
         // If another thread is printing, this one prints nothing.
-        let Ok(mut last_line) = self.last_line.try_lock() else { return };
-        if last_line.elapsed() < PROGRESS_LINE_INTERVAL || done == 0 {
+        let Ok(mut last_line) = self.last_line_time.try_lock() else { return };
+        if last_line.elapsed() < PROGRESS_LINE_INTERVAL {
             return;
         }
         *last_line = Instant::now();
-        let (done, all) = (done as f64, all as f64);
-        let remaining = DisplayTime(self.start_time.elapsed().as_secs_f64() * (all - done) / done);
-        let percent = 100.0 * done / all;
+        let [done, all] =
+            [0, 1].map(|index| self.step_counts[index].load(Ordering::Relaxed) as f64);
+        let elapsed = self.start_time.elapsed().as_secs_f64();
+        let rest = match done > 0.0 {
+            true => format!("about {} left", DisplayTime(elapsed * (all - done).max(0.0) / done)),
+            false => format!("after {}", DisplayTime(elapsed)),
+        };
         // A closed standard error is ignored.
-        let _ =
-            writeln!(std::io::stderr(), "{}: {percent:.1} %, about {remaining} left", self.name);
+        let _ = writeln!(
+            std::io::stderr(),
+            "{}: {:.1} %, {rest}",
+            self.label,
+            100.0 * (done / all).min(1.0)
+        );
     }
 
     fn show_after_delay(&self, bar: &ProgressBar) {
         if self.start_time.elapsed() > PROGRESS_BAR_DELAY {
-            self.show_once.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
+            self.first_display.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
         }
     }
 }
 
 impl Drop for DelayedProgressBar {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = &self.progress_bar {
             bar.finish_and_clear();
         }
     }

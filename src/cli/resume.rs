@@ -4,35 +4,36 @@ use super::load::print_hints;
 use super::run::{Checkpoint, CheckpointSettings, RunContext, execute_run};
 use crate::case::TimeDomainRun;
 use crate::cli::folder::{ResultFolder, UnfinishedRun};
-use crate::cli::{Error, OutputFormat};
+use crate::cli::{CommandError, OutputFormat};
 use crate::study::simulate::create_job;
 use std::io::Write;
 use std::path::Path;
 
-/// Resumes an interrupted or killed run.
+/// Runs the verb `resume`: resumes an interrupted or killed run from its last checkpoint.
 ///
 /// # Errors
 /// The folder holds no run, a finished run, a run in progress, a run of another program version or of a changed case,
 /// or a damaged checkpoint; memory is insufficient; the threads cannot be started; results cannot be written; or the
-/// run was interrupted or stopped by its own state.
+/// run was interrupted or stopped because of its state.
 pub fn resume(
     path: &Path,
     threads: Option<usize>,
     checkpoint_settings: CheckpointSettings,
     format: OutputFormat,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
-    let UnfinishedRun { folder, case, lock } = ResultFolder::open_unfinished_run(path)?;
+) -> Result<(), CommandError> {
+    let UnfinishedRun { folder, case, run_lock: lock } = ResultFolder::open_unfinished_run(path)?;
     print_hints(&case);
     let job = create_job(&case)?;
     let plan = job.plan(false)?;
     let found = Checkpoint::read(&folder)?;
     let duration = match case.time_domain_run()? {
-        TimeDomainRun::Solid(dynamics) => dynamics.time.duration,
+        TimeDomainRun::Solid(solid_run) => solid_run.time.duration,
         TimeDomainRun::Flow(flow) => flow.time.duration,
     };
-    let start = found.as_ref().map_or(0.0, |found| found.state.time);
+    let start = found.as_ref().map_or(0.0, |found| found.solver_state.time);
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
-    let run = RunContext { case: &case, folder: &folder, checkpoint_settings, threads };
+    let run =
+        RunContext { case: &case, folder: &folder, checkpoint_settings, thread_count: threads };
     execute_run(&run, &*job, found, Some(lock), format, stdout)
 }

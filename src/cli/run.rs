@@ -8,7 +8,7 @@
 mod animation;
 mod checkpoint;
 mod checkpoint_timer;
-mod planned;
+mod planned_files;
 mod recorder;
 mod run_files;
 
@@ -18,39 +18,39 @@ pub(super) use run_files::read_records;
 
 use super::load::print_hints;
 use super::signals::{self, ProgramStage};
-use super::write::{planned_paths, print_plan, print_report};
+use super::write::{list_planned_paths, print_plan, print_report};
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
-use crate::cli::options::{check_threads, create_thread_pool};
-use crate::cli::{Error, Options, OutputFormat};
+use crate::cli::options::{check_thread_start, create_thread_pool};
+use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::RenderedReport;
 use crate::study::simulate::{SimulationJob, create_job};
 use files::lock::Lock;
 use recorder::FileRecorder;
 use std::io::Write;
 
-/// Default smallest wall time between two checkpoints, s.
+/// Default of the smallest wall time between two checkpoints, s.
 pub const DEFAULT_CHECKPOINT_INTERVAL: f64 = 300.0;
 
-/// Checkpoint settings of a run.
+/// Settings for the checkpoints of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckpointSettings {
     /// Smallest wall time between two checkpoints, s; 0 for a checkpoint after every batch of steps.
     pub interval: f64,
 }
 
-/// Runs `run`.
+/// Runs the verb `run`: simulates a case in the time domain and writes the results.
 ///
 /// # Errors
 /// The case is invalid, memory is insufficient, the cost exceeds the limits, the equations are ill-posed, the folder
 /// holds a finished or interrupted run or one in progress, the threads cannot be started, results cannot be written, or
-/// the run was interrupted or stopped by its own state. `--force` lifts the limits of the cost and discards a finished
-/// or interrupted run; `--accept-ill-posed` permits ill-posed equations.
+/// the run was interrupted or stopped because of its state. `--force` lifts the limits of the cost and discards a
+/// finished or interrupted run; `--accept-ill-posed` permits ill-posed equations.
 pub fn run_simulation(
     options: &Options,
     checkpoint_settings: CheckpointSettings,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     let case = Case::load_simulation(&options.case_path, &options.settings)?;
     print_hints(&case);
     let job = create_job(&case)?;
@@ -59,37 +59,41 @@ pub fn run_simulation(
         job.refuse_excess(&plan)?;
     }
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
-    folder.check_startable()?;
+    folder.check_run_may_start()?;
     if options.is_dry_run {
         job.check_case()?;
         if let Some(found) = job.find_ill_posedness()?.filter(|_| !options.accept_ill_posed) {
-            return Err(Error::IllPosed(found));
+            return Err(CommandError::IllPosed(found));
         }
         let plan = format!("compute {plan}");
-        let paths = planned_paths(&folder, &planned::planned_file_names(&case)?);
+        let paths = list_planned_paths(&folder, &planned_files::list_planned_file_names(&case)?);
         return print_plan(&plan, &paths, options.format, stdout);
     }
     // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");
-    for warning in job.warnings()? {
+    for warning in job.find_warnings()? {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
     match job.find_ill_posedness()? {
-        Some(found) if !options.accept_ill_posed => return Err(Error::IllPosed(found)),
+        Some(found) if !options.accept_ill_posed => return Err(CommandError::IllPosed(found)),
         Some(found) => drop(writeln!(std::io::stderr(), "warning: {found}")),
         None => {}
     }
-    let run =
-        RunContext { case: &case, folder: &folder, checkpoint_settings, threads: options.threads };
+    let run = RunContext {
+        case: &case,
+        folder: &folder,
+        checkpoint_settings,
+        thread_count: options.thread_count,
+    };
     execute_run(&run, &*job, None, None, options.format, stdout)
 }
 
-/// Case, results folder and settings of a run.
+/// Case, results folder, checkpoint settings and number of threads of a run.
 pub(super) struct RunContext<'a> {
     pub(super) case: &'a Case,
     pub(super) folder: &'a ResultFolder,
     pub(super) checkpoint_settings: CheckpointSettings,
-    pub(super) threads: Option<usize>,
+    pub(super) thread_count: Option<usize>,
 }
 
 /// Computes a run from its beginning or from `checkpoint` and writes all results. `lock` is the run lock of a resumed
@@ -101,15 +105,15 @@ pub(super) fn execute_run(
     lock: Option<Lock>,
     format: OutputFormat,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     signals::install_signal_handlers();
     let _stage = signals::set_stage_until_drop(ProgramStage::TimeStepping);
     let mut recorder = FileRecorder::new(run, checkpoint, lock);
-    let pool = create_thread_pool(run.threads)?;
-    check_threads(pool.current_num_threads())?;
-    let result = pool
-        .install(|| job.execute(&mut recorder))
-        .map_err(|error| Error::from_run_error(error, &run.folder.path().display().to_string()))?;
+    let pool = create_thread_pool(run.thread_count)?;
+    check_thread_start(pool.current_num_threads())?;
+    let result = pool.install(|| job.execute(&mut recorder)).map_err(|error| {
+        CommandError::from_run_error(error, &run.folder.path().display().to_string())
+    })?;
     if let Some(warning) = result.residual_warning() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
@@ -117,12 +121,12 @@ pub(super) fn execute_run(
     let rendered = RenderedReport::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {
         match draw_animation(case, folder)? {
-            AnimationOutput::Absent => {}
+            AnimationOutput::NoAnimation => {}
             AnimationOutput::AllZero => files.remove_result(ANIMATION_FILE)?,
             AnimationOutput::Gif(bytes) => drop(files.write_result(ANIMATION_FILE, &bytes)?),
         }
         rendered.write_files(|name, bytes| {
-            files.write_result(name, bytes).map(drop).map_err(Error::from)
+            files.write_result(name, bytes).map(drop).map_err(CommandError::from)
         })?;
         files.finish()?;
     }

@@ -10,7 +10,7 @@ use std::time::Duration;
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum ProgramStage {
-    /// Outside of a run: an interrupt ends the program at once.
+    /// No run is in progress: an interrupt ends the program at once.
     OutsideRun,
     /// Time stepping: an interrupt ends the run after a checkpoint.
     TimeStepping,
@@ -30,7 +30,7 @@ static PROGRAM_STAGE: AtomicU8 = AtomicU8::new(ProgramStage::OutsideRun as u8);
 /// Whether a run has been interrupted.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Sets the stage of the program.
+/// Sets the stage of the program, which determines the effect of the next interrupt.
 pub(super) fn set_stage(stage: ProgramStage) {
     PROGRAM_STAGE.store(stage as u8, Ordering::Relaxed);
 }
@@ -53,8 +53,8 @@ pub(super) fn is_interrupted() -> bool {
 }
 
 /// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, or after its results if all steps
-/// are done, and any other work at once, without partial files; a second signal ends a run at once. A write beyond the
-/// file size limit (SIGXFSZ) returns an error and does not end the program.
+/// are done, and any other work at once, without partial files; a second signal ends a run at once. A write that
+/// exceeds the file size limit (SIGXFSZ) returns an error and does not end the program.
 pub fn install_signal_handlers() {
     static INSTALL_ONCE: Once = Once::new();
     INSTALL_ONCE.call_once(|| {
@@ -83,7 +83,7 @@ fn handle_interrupt() {
         exit_at_once();
     }
     print_message(&format!("{said}; press again to stop at once"));
-    // If no thread can be started, the run waits for its step without a time limit.
+    // If no thread can be started, there is no time limit on the current step.
     let _ = std::thread::Builder::new().spawn(|| {
         std::thread::sleep(MAX_STEP_WAIT);
         let stage = PROGRAM_STAGE.load(Ordering::Relaxed);
@@ -122,8 +122,8 @@ fn is_hangup_ignored() -> bool {
     }
 }
 
-/// Ignores SIGXFSZ, so that writing beyond the file size limit returns an error; ignores SIGHUP if `ignores_hangup` is
-/// set.
+/// Ignores SIGXFSZ, so that a write that exceeds the file size limit returns an error; ignores SIGHUP if
+/// `ignores_hangup` is set.
 #[cfg(unix)]
 fn ignore_signals(ignores_hangup: bool) {
     // SAFETY: `SIG_IGN` is a valid disposition that runs no code; for SIGHUP it replaces the handler installed before.

@@ -2,19 +2,19 @@
 
 use super::load::load_case;
 use super::progress::run_with_progress;
-use super::write::{planned_paths, print_plan, write_report};
+use super::write::{list_planned_paths, print_plan, write_report};
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
-use crate::cli::{Error, Options};
+use crate::cli::{CommandError, Options};
 use crate::{setup, study};
 use analysis::solids::DirectionalSpeeds;
 use std::io::Write;
 
-/// Runs `speeds`.
+/// Runs the verb `speeds`: computes the characteristic speeds of a solid and writes the report.
 ///
 /// # Errors
 /// The case is invalid, or results cannot be written.
-pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let case = load_case(options)?;
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
@@ -26,10 +26,10 @@ pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error
             3 => folder::SPEEDS_FILES.to_vec(),
             _ => in_plane.copied().collect(),
         };
-        let paths = planned_paths(&folder, &names);
+        let paths = list_planned_paths(&folder, &names);
         return print_plan(&plan, &paths, options.format, stdout);
     }
-    let pool = create_thread_pool(options.threads)?;
+    let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "speeds", |on_progress| {
         study::compute_speeds(&case, on_progress)
     })?;

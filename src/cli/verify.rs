@@ -1,23 +1,28 @@
 //! `wellposed verify`: compares result files with their checksums.
 
-use super::folder::{Verification, verify_folder};
-use super::{Error, OutputFormat};
+use super::folder::{VerificationResult, verify_folder};
+use super::{CommandError, OutputFormat};
 use crate::report::SCHEMA_VERSION;
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
 
-/// Runs `verify`.
+/// Runs the verb `verify`: compares the files of a results folder with their checksums and prints the result.
 ///
 /// # Errors
 /// Files are damaged, or the folder holds no results.
-pub fn verify(path: &Path, format: OutputFormat, stdout: &mut dyn Write) -> Result<(), Error> {
-    let Verification { file_count, is_unfinished, damaged_files: damaged } = verify_folder(path)?;
+pub fn verify(
+    path: &Path,
+    format: OutputFormat,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let VerificationResult { file_count, is_unfinished, damaged_files: damaged } =
+        verify_folder(path)?;
     match format {
         OutputFormat::Json => {
             let all: Vec<_> = damaged
                 .iter()
-                .map(|own| json!({ "file": own.file, "found": own.description }))
+                .map(|own| json!({ "file": own.file_name, "found": own.description }))
                 .collect();
             let report = json!({
                 "schema": SCHEMA_VERSION,
@@ -30,7 +35,7 @@ pub fn verify(path: &Path, format: OutputFormat, stdout: &mut dyn Write) -> Resu
         }
         OutputFormat::Text => {
             for own in &damaged {
-                writeln!(stdout, "{}: {}", own.file, own.description)?;
+                writeln!(stdout, "{}: {}", own.file_name, own.description)?;
             }
             if damaged.is_empty() {
                 let run = match is_unfinished {
@@ -43,6 +48,9 @@ pub fn verify(path: &Path, format: OutputFormat, stdout: &mut dyn Write) -> Resu
     }
     match damaged.len() {
         0 => Ok(()),
-        count => Err(Error::Damaged { damaged: count, folder: path.display().to_string() }),
+        count => Err(CommandError::DamagedFiles {
+            damaged_count: count,
+            folder: path.display().to_string(),
+        }),
     }
 }

@@ -1,7 +1,7 @@
 //! Output of reports to results folders and standard output.
 
 use super::folder::ResultFolder;
-use super::{Error, OutputFormat};
+use super::{CommandError, OutputFormat};
 use crate::case::Case;
 use crate::report::{RenderedReport, Report, SCHEMA_VERSION};
 use serde_json::json;
@@ -17,16 +17,18 @@ pub(super) fn write_report<R: Report>(
     folder: &ResultFolder,
     format: OutputFormat,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     let rendered = RenderedReport::new(report, case)?;
     let mut publication = folder.start_publication();
-    rendered.write_files(|name, bytes| publication.stage_file(name, bytes).map_err(Error::from))?;
+    rendered.write_files(|name, bytes| {
+        publication.stage_file(name, bytes).map_err(CommandError::from)
+    })?;
     publication.publish()?;
     print_report(&rendered, folder, format, stdout)
 }
 
-/// Prints the text or JSON report; the text ends with the path of the first picture, or of the folder if the report
-/// [does not end with a picture](Report::ENDS_WITH_PICTURE) or has none.
+/// Prints the report as text or JSON. The text ends with the path of the first picture, or with that of the results
+/// folder if the report [does not end with a picture path](Report::ENDS_WITH_PICTURE_PATH) or has no picture.
 ///
 /// # Errors
 /// Standard output cannot be written.
@@ -35,7 +37,7 @@ pub(super) fn print_report(
     folder: &ResultFolder,
     format: OutputFormat,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     match format {
         OutputFormat::Json => stdout.write_all(rendered.json().as_bytes())?,
         OutputFormat::Text => {
@@ -52,18 +54,18 @@ pub(super) fn print_report(
 }
 
 /// Returns the paths of the files that a verb would write: the common files and `names`.
-pub(super) fn planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>]) -> Vec<String> {
-    let names = ResultFolder::COMMON_FILES.into_iter().chain(names.iter().map(AsRef::as_ref));
+pub(super) fn list_planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>]) -> Vec<String> {
+    let names = ResultFolder::COMMON_FILE_NAMES.into_iter().chain(names.iter().map(AsRef::as_ref));
     names.map(|name| folder.path().join(name).display().to_string()).collect()
 }
 
-/// Prints a description of the work of a verb, such as "assess 12 states", and the files that the verb would write.
+/// Prints the plan of a verb: a description of its work, such as "assess 12 states", and the files that it would write.
 pub(super) fn print_plan(
     plan: &str,
     paths: &[String],
     format: OutputFormat,
     stdout: &mut dyn Write,
-) -> Result<(), Error> {
+) -> Result<(), CommandError> {
     match format {
         OutputFormat::Json => {
             let plan = json!({ "schema": SCHEMA_VERSION, "would": plan, "would_write": paths });

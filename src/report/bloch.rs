@@ -4,15 +4,15 @@ use super::format::{case_title, format_short};
 use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
-use crate::study::bloch::{BlochResult, JointSummary};
+use crate::study::bloch::{BandStructureResult, JointLawSummary};
 use figures::{BandFamily, BandFigure, BandStyle};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-/// Longitudinal shares of waves that are called S-like (at most the first) and P-like (at least the second).
-const LIKE: [f64; 2] = [0.4, 0.6];
+/// Limits of the longitudinal share of the kinetic energy of a wave: S-like up to the first, P-like above the second.
+const LONGITUDINAL_SHARE_LIMITS: [f64; 2] = [0.4, 0.6];
 
-impl Report for BlochResult {
+impl Report for BandStructureResult {
     const NAME: &'static str = "dispersion";
     const UNITS: &'static [(&'static str, &'static str)] =
         &[("frequency", "rad/s"), ("speed", "m/s"), ("number", "1/m"), ("decay_rate", "1/s")];
@@ -36,14 +36,14 @@ impl Report for BlochResult {
     }
 }
 
-impl BlochResult {
+impl BandStructureResult {
     fn is_damped(&self) -> bool {
         self.joints.iter().any(|joint| joint.retardation_time.is_some())
     }
 
     fn write_medium(&self, text: &mut String) {
         let blocks = &self.blocks;
-        let [width, height] = blocks.size.map(format_short);
+        let [width, height] = blocks.side_lengths.map(format_short);
         let _ = writeln!(
             text,
             "blocks {width} × {height} m, ρ = {} kg/m³, c₁ = {} m/s, c₂ = {} m/s",
@@ -58,15 +58,15 @@ impl BlochResult {
         if blocks.can_yield {
             let _ = writeln!(text, "the blocks are within their yield set: no plastic flow");
         }
-        let joint = |axis: &str, own: &JointSummary, text: &mut String| {
-            let [normal, tangential] = own.stiffness.map(format_short);
+        let joint = |axis: &str, own: &JointLawSummary, text: &mut String| {
+            let [normal, tangential] = own.fast_stiffnesses.map(format_short);
             let _ = writeln!(
                 text,
                 "joints normal to {axis}: {}, K_n = {normal} Pa/m, K_t = {tangential} Pa/m, {} kg/m²",
-                own.kind,
-                format_short(own.mass[0]),
+                own.layer_kind,
+                format_short(own.areal_masses[0]),
             );
-            if let Some(note) = own.linearisation {
+            if let Some(note) = own.linearisation_note {
                 let _ = writeln!(text, "  linearised about the initial state: {note}");
             }
         };
@@ -83,17 +83,19 @@ impl BlochResult {
         let _ = writeln!(
             text,
             "\nBloch waves, lowest {} branches: polynomials of degree {} in each block{}",
-            self.waves.first().map_or(0, |at| at.waves.len()),
-            self.degree,
+            self.path_waves.first().map_or(0, |at| at.waves.len()),
+            self.polynomial_degree,
             match self.achieved_accuracy {
                 error if error.is_finite() =>
                     format!(", relative error of frequencies up to {error:.0e}"),
                 _ => ", error of frequencies not estimated".to_owned(),
             },
         );
-        for vertex in self.path.iter().take(self.path.len().saturating_sub(1)).skip(1) {
-            let at = self.points.iter().position(|point| point.distance == vertex.distance);
-            let Some(waves) = at.and_then(|index| self.waves.get(index)) else { continue };
+        for vertex in
+            self.path_vertices.iter().take(self.path_vertices.len().saturating_sub(1)).skip(1)
+        {
+            let at = self.path_points.iter().position(|point| point.distance == vertex.distance);
+            let Some(waves) = at.and_then(|index| self.path_waves.get(index)) else { continue };
             let lowest: Vec<String> = waves
                 .waves
                 .iter()
@@ -114,7 +116,7 @@ impl BlochResult {
                 }
             }
         }
-        match (&self.continuum, &self.missing_continuum) {
+        match (&self.continuum_constants, &self.missing_continuum) {
             (Some(continuum), _) => {
                 let _ = writeln!(
                     text,
@@ -132,7 +134,7 @@ impl BlochResult {
             }
             (None, None) => {}
         }
-        if !self.chains.is_empty() {
+        if !self.chain_branches.is_empty() {
             text.push_str(
                 "  chain: exact relation of a stack along x₁, without joints normal to x₂\n",
             );
@@ -144,9 +146,11 @@ impl BlochResult {
         let _ = writeln!(text, "\nLong waves{slow}: speeds in m/s");
         for wave in &self.long_waves {
             let direction = format_short(wave.direction_deg);
-            let [shear, longitudinal] = wave.medium.map(format_speed);
+            let [shear, longitudinal] = wave.medium_speeds.map(format_speed);
             let _ = write!(text, "  at {direction:>4}°: S {shear}, P {longitudinal}");
-            if let (Some(continuum), Some(difference)) = (wave.continuum, wave.difference) {
+            if let (Some(continuum), Some(difference)) =
+                (wave.continuum_speeds, wave.relative_differences)
+            {
                 let [shear, longitudinal] = continuum.map(format_speed);
                 let _ = write!(
                     text,
@@ -161,21 +165,21 @@ impl BlochResult {
     fn write_verdict(&self, text: &mut String) {
         let evidence = &self.evidence;
         let stability = if self.is_stable { "stable" } else { "unstable" };
-        let _ = writeln!(text, "\nVerdict: {}, {stability}", self.verdict);
+        let _ = writeln!(text, "\nVerdict: {}, {stability}", self.verdict_name);
         text.push_str(
             "  blocks are symmetric-hyperbolic, joints act locally: growth rates are bounded\n",
         );
-        let count = evidence.wave_vectors;
-        let _ = match evidence.least_squared_frequency {
+        let count = evidence.wave_vector_count;
+        let _ = match evidence.min_squared_frequency {
             Some(least) => writeln!(
                 text,
                 "  least ω² of all waves at {count} wave vectors: {least:.1e} rad²/s², rounding {:.1e}",
-                evidence.growth_rounding.powi(2),
+                evidence.growth_rate_rounding.powi(2),
             ),
             None => writeln!(
                 text,
                 "  largest growth rate of all modes at {count} wave vectors: {:.1e} 1/s, rounding {:.1e}",
-                evidence.largest_growth, evidence.growth_rounding,
+                evidence.max_growth_rate, evidence.growth_rate_rounding,
             ),
         };
         if evidence.has_positive_energy {
@@ -187,20 +191,23 @@ impl BlochResult {
     }
 }
 
-/// Formats a speed with five digits: differences from the continuum are small.
+/// Formats a speed, m/s, with one decimal, since its difference from the speed in the continuum is small.
 fn format_speed(speed: f64) -> String {
     format!("{speed:.1}")
 }
 
-/// Rows of the tables: family, branch from 1, index of the point, frequency, decay rate and longitudinal share.
-fn table_rows(found: &BlochResult) -> Vec<(&'static str, usize, [f64; 3], [f64; 3])> {
+/// Creates the rows of the tables: family of the branch, number of the branch from 1, [distance along the path,
+/// components of the wave vector], 1/m, and [frequency, rad/s, decay rate, 1/s, longitudinal share].
+fn create_table_rows(
+    found: &BandStructureResult,
+) -> Vec<(&'static str, usize, [f64; 3], [f64; 3])> {
     let mut rows = Vec::new();
     let at = |index: usize| {
-        let point = &found.points[index];
+        let point = &found.path_points[index];
         [point.distance, point.wave_vector[0], point.wave_vector[1]]
     };
-    for branch in 0..found.waves.iter().map(|at| at.waves.len()).max().unwrap_or(0) {
-        for (index, waves) in found.waves.iter().enumerate() {
+    for branch in 0..found.path_waves.iter().map(|at| at.waves.len()).max().unwrap_or(0) {
+        for (index, waves) in found.path_waves.iter().enumerate() {
             if let Some(wave) = waves.waves.get(branch) {
                 let share = wave.longitudinal_share.unwrap_or(f64::NAN);
                 let values = [wave.frequency, wave.decay_rate, share];
@@ -213,7 +220,7 @@ fn table_rows(found: &BlochResult) -> Vec<(&'static str, usize, [f64; 3], [f64; 
             rows.push(("continuum", branch + 1, at(index), [own[branch], 0.0, f64::NAN]));
         }
     }
-    for chain in &found.chains {
+    for chain in &found.chain_branches {
         let name = if chain.name == "P" { "chain P" } else { "chain S" };
         let share = if chain.name == "P" { 1.0 } else { 0.0 };
         for (branch, curve) in chain.curves.iter().enumerate() {
@@ -225,12 +232,12 @@ fn table_rows(found: &BlochResult) -> Vec<(&'static str, usize, [f64; 3], [f64; 
     rows
 }
 
-const NUMBER_COLUMNS: [&str; 6] =
+const NUMERIC_COLUMNS: [&str; 6] =
     ["distance", "number_1", "number_2", "frequency", "decay_rate", "longitudinal_share"];
 
-fn format_csv(found: &BlochResult) -> Result<Vec<u8>, Error> {
-    let header: Vec<&str> = ["family", "branch"].into_iter().chain(NUMBER_COLUMNS).collect();
-    let rows = table_rows(found).into_iter().map(|(family, branch, place, values)| {
+fn format_csv(found: &BandStructureResult) -> Result<Vec<u8>, Error> {
+    let header: Vec<&str> = ["family", "branch"].into_iter().chain(NUMERIC_COLUMNS).collect();
+    let rows = create_table_rows(found).into_iter().map(|(family, branch, place, values)| {
         let mut row: Vec<files::csv::CsvCell> = vec![family.into(), (branch as f64).into()];
         row.extend(place.into_iter().chain(values).map(files::csv::CsvCell::from));
         row
@@ -238,14 +245,14 @@ fn format_csv(found: &BlochResult) -> Result<Vec<u8>, Error> {
     Ok(files::csv::format_table(&header, rows)?)
 }
 
-fn encode_npz(found: &BlochResult) -> Result<Vec<u8>, Error> {
-    let rows = table_rows(found);
+fn encode_npz(found: &BandStructureResult) -> Result<Vec<u8>, Error> {
+    let rows = create_table_rows(found);
     let shape = [rows.len()];
     let mut npz = files::npz::NpzWriter::new();
     npz.add_text("family", &shape, &rows.iter().map(|row| row.0).collect::<Vec<_>>())?;
     let branches: Vec<i32> = rows.iter().map(|row| row.1 as i32).collect();
     npz.add_i32("branch", &shape, &branches)?;
-    for (column, name) in NUMBER_COLUMNS.into_iter().enumerate() {
+    for (column, name) in NUMERIC_COLUMNS.into_iter().enumerate() {
         let value = |row: &(_, _, [f64; 3], [f64; 3])| match column {
             0..3 => row.2[column],
             _ => row.3[column - 3],
@@ -256,24 +263,25 @@ fn encode_npz(found: &BlochResult) -> Result<Vec<u8>, Error> {
     Ok(npz.finish()?)
 }
 
-/// Curves of the branches where `is_own` holds for the longitudinal share of a link between two points.
+/// Returns the curves of all branches, cut to those steps between two points of the path whose mean longitudinal share
+/// satisfies `is_selected`.
 fn select_curves(
-    found: &BlochResult,
+    found: &BandStructureResult,
     value: impl Fn(&analysis::bloch::bands::BlochWave) -> f64,
-    is_own: impl Fn(Option<f64>) -> bool,
+    is_selected: impl Fn(Option<f64>) -> bool,
 ) -> Vec<Vec<[f64; 2]>> {
-    let branches = found.waves.iter().map(|at| at.waves.len()).max().unwrap_or(0);
+    let branches = found.path_waves.iter().map(|at| at.waves.len()).max().unwrap_or(0);
     let mut curves = Vec::new();
     for branch in 0..branches {
         let mut curve: Vec<[f64; 2]> = Vec::new();
-        for (points, waves) in found.points.windows(2).zip(found.waves.windows(2)) {
+        for (points, waves) in found.path_points.windows(2).zip(found.path_waves.windows(2)) {
             let ends = [0, 1].map(|end| waves[end].waves.get(branch));
             let [Some(first), Some(last)] = ends else { continue };
             let share = match (first.longitudinal_share, last.longitudinal_share) {
                 (Some(one), Some(other)) => Some(0.5 * (one + other)),
                 (one, other) => one.or(other),
             };
-            if !is_own(share) {
+            if !is_selected(share) {
                 continue;
             }
             let start = points[0].distance;
@@ -289,61 +297,65 @@ fn select_curves(
     curves
 }
 
-fn create_figure(case: &Case, found: &BlochResult) -> BandFigure {
+fn create_figure(case: &Case, found: &BandStructureResult) -> BandFigure {
     let kilohertz = |omega: f64| omega / (TAU * 1e3);
     let family = |label: &str, style, curves| BandFamily { label: label.to_owned(), style, curves };
     let mut frequencies = Vec::new();
-    let mut decay = Vec::new();
+    let mut decay_rates = Vec::new();
     let frequency = |wave: &analysis::bloch::bands::BlochWave| kilohertz(wave.frequency);
     if found.is_damped() {
         frequencies.push(family(
             "waves of the medium",
-            BandStyle::First,
+            BandStyle::FirstFamily,
             select_curves(found, frequency, |_| true),
         ));
         let rates = select_curves(found, |wave| 1e-3 * wave.decay_rate, |_| true);
-        decay.push(family("", BandStyle::First, rates));
+        decay_rates.push(family("", BandStyle::FirstFamily, rates));
     } else {
-        let [low, high] = LIKE;
+        let [low, high] = LONGITUDINAL_SHARE_LIMITS;
         let kinds: [(&str, BandStyle, [f64; 2]); 3] = [
-            ("P-like", BandStyle::First, [high, f64::INFINITY]),
-            ("S-like", BandStyle::Second, [f64::NEG_INFINITY, low]),
-            ("mixed or rotation", BandStyle::Third, [low, high]),
+            ("P-like", BandStyle::FirstFamily, [high, f64::INFINITY]),
+            ("S-like", BandStyle::SecondFamily, [f64::NEG_INFINITY, low]),
+            ("mixed or rotation", BandStyle::ThirdFamily, [low, high]),
         ];
         for (label, style, [from, to]) in kinds {
-            let is_own =
+            let is_selected =
                 |share: Option<f64>| share.is_some_and(|share| from < share && share <= to);
-            frequencies.push(family(label, style, select_curves(found, frequency, is_own)));
+            frequencies.push(family(label, style, select_curves(found, frequency, is_selected)));
         }
     }
     if !found.continuum_frequencies.is_empty() {
         let curve = |branch: usize| -> Vec<[f64; 2]> {
-            let own = found.points.iter().zip(&found.continuum_frequencies);
+            let own = found.path_points.iter().zip(&found.continuum_frequencies);
             own.map(|(point, all)| [point.distance, kilohertz(all[branch])]).collect()
         };
         let label = "equivalent Cosserat continuum";
         frequencies.push(family(label, BandStyle::Comparison, (0..3).map(curve).collect()));
     }
-    if !found.chains.is_empty() {
-        let curves = found.chains.iter().flat_map(|chain| &chain.curves);
+    if !found.chain_branches.is_empty() {
+        let curves = found.chain_branches.iter().flat_map(|chain| &chain.curves);
         let scaled = curves.map(|curve| curve.iter().map(|&[x, y]| [x, kilohertz(y)]).collect());
         let label = "chain along x₁, exact";
         frequencies.push(family(label, BandStyle::Reference, scaled.collect()));
     }
-    let [normal, tangential] = found.joints[0].stiffness.map(format_short);
+    let [normal, tangential] = found.joints[0].fast_stiffnesses.map(format_short);
     BandFigure {
         title: case_title(case),
         subtitle: format!(
             "Bloch waves: blocks of {} m, {} joints, K_n = {normal} Pa/m, K_t = {tangential} Pa/m",
-            format_short(found.blocks.size[0]),
-            found.joints[0].kind,
+            format_short(found.blocks.side_lengths[0]),
+            found.joints[0].layer_kind,
         ),
         path_label: "wave vector κ along the path".into(),
         frequency_label: "frequency f = Re ω/2π (kHz)".into(),
         decay_label: "decay Im ω (10³/s)".into(),
-        vertices: found.path.iter().map(|own| (own.distance, own.name.to_owned())).collect(),
+        vertices: found
+            .path_vertices
+            .iter()
+            .map(|own| (own.distance, own.name.to_owned()))
+            .collect(),
         frequencies,
-        decay,
+        decay_rates,
         gaps: found.band_gaps.iter().flatten().map(|gap| gap.map(kilohertz)).collect(),
         gap_label: "band gap".into(),
         gap_unit: "kHz".into(),

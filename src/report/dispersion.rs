@@ -129,8 +129,8 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
             },
         })
     });
-    // Only bands bounded on both sides are drawn: a band from 0 to a cut-off frequency is shown by the dashed line of
-    // that frequency, and a band without upper edge has no end.
+    // Only band gaps bounded on both sides are drawn: a gap from 0 to a cut-off frequency is shown by the dashed line
+    // of that frequency, and a gap without upper edge has no end.
     let bands = found.families.iter().flat_map(|family| {
         let between = |band: &&[f64; 2]| band[0] > 0.0 && band[1].is_finite();
         family.band_gaps.iter().filter(between).map(|&[from, to]| FrequencyBand {
@@ -150,16 +150,16 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
                 up => format!(", {}° above the plane", format_short(up)),
             },
         ),
-        k_label: "wave number k (1/m)".into(),
+        wave_number_label: "wave number k (1/m)".into(),
         frequency_label: "frequency ω (rad/s)".into(),
         speed_label: "speed (m/s)".into(),
         growth_label: "growth rate Re ς (1/s)".into(),
-        is_k_log: false,
+        is_wave_number_log: false,
         is_frequency_log: false,
         branches: branches.collect(),
         bands: bands.collect(),
         cutoffs: collect_cutoffs(&found.families),
-        speed_limits: closed_form_speeds(found),
+        speed_limits: compute_closed_form_speeds(found),
     }
 }
 
@@ -174,7 +174,7 @@ fn collect_cutoffs(families: &[BranchFamily]) -> Vec<ReferenceLevel> {
 }
 
 /// Returns the closed-form speeds of short elastic waves in an isotropic solid, m/s; empty for other solids.
-fn closed_form_speeds(found: &DispersionResult) -> Vec<ReferenceLevel> {
+fn compute_closed_form_speeds(found: &DispersionResult) -> Vec<ReferenceLevel> {
     let solid = &found.solid;
     let Some(elastic) = solid.elastic_law.downcast::<Isotropic>() else { return Vec::new() };
     let speeds = elastic.speeds();

@@ -5,11 +5,11 @@ pub use crate::study::format::{format_order, format_short, format_superscript};
 use crate::case::Case;
 use analysis::solids::angles_deg;
 
-/// Description of the route of verdicts that follow from a closed form of the model's growth rate.
+/// Text for verdicts that follow from a closed form of the growth rate of the model.
 pub const CLOSED_FORM_ROUTE: &str =
     "closed form of the model's growth rate, where rounding leaves its sign and ten digits";
 
-/// Range of validity of a verdict with frozen coefficients.
+/// Text on the range of validity of a verdict with frozen coefficients.
 pub const VALIDITY_NOTE: &str = "Validity: coefficients are frozen; the verdict holds for waves much shorter than the length \
      scale on which the background varies.";
 

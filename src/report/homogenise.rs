@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 impl Report for HomogeniseResult {
     const NAME: &'static str = "homogenise";
-    const ENDS_WITH_PICTURE: bool = false;
+    const ENDS_WITH_PICTURE_PATH: bool = false;
 
     fn to_text(&self, case: &Case) -> String {
         let mut text = format!(
@@ -25,7 +25,7 @@ impl Report for HomogeniseResult {
                 row.symbol,
                 format!("{:.6e}", row.value),
                 row.unit,
-                row.meaning,
+                row.validity_description,
             );
         }
         if let Some(own) = &self.yield_set {
@@ -36,16 +36,16 @@ impl Report for HomogeniseResult {
                 format_short(own.shear_friction),
                 format_short(own.couple_strength),
                 format_short(own.couple_friction),
-                own.couple_limit,
+                own.couple_friction_meaning,
             );
         }
-        let speeds = &self.speeds;
+        let speeds = &self.wave_speeds;
         let _ = writeln!(
             text,
             "\nWave speeds in m/s\n  along an axis: P {:.1}, long S {:.1} (sure), short S {:.1} (leading order)",
-            speeds.longitudinal, speeds.long_shear, speeds.short_shear,
+            speeds.longitudinal_speed, speeds.long_shear_speed, speeds.short_shear_speed,
         );
-        let [shear, longitudinal] = speeds.diagonal;
+        let [shear, longitudinal] = speeds.diagonal_speeds;
         let _ = writeln!(text, "  along a diagonal: P {longitudinal:.1}, long S {shear:.1} (sure)");
         let _ = writeln!(
             text,
@@ -63,7 +63,7 @@ impl Report for HomogeniseResult {
                  qualitatively only\n",
             );
         }
-        for note in &self.notes {
+        for note in &self.differences_from_blocks {
             let _ = writeln!(text, "note: {note}");
         }
         text

@@ -1,4 +1,4 @@
-//! Rendering of study results as text, JSON, tables and pictures, common to all studies.
+//! Rendering of study results as text, JSON, tables and pictures; the parts common to all studies.
 
 pub mod bloch;
 pub mod check;
@@ -24,21 +24,23 @@ pub trait Report: Serialize {
     /// Name of the study and stem of its files: `dispersion.json`.
     const NAME: &'static str;
 
-    /// Pairs of a quantity and its unit, the last entry of the JSON report; without pairs there is no such entry.
+    /// Pairs of a quantity and its unit, which form the last entry of the JSON report; the entry is omitted if there
+    /// are no pairs.
     const UNITS: &'static [(&'static str, &'static str)] = &[];
 
-    /// Whether the printed text ends with the path of the first picture, otherwise with that of the results folder.
-    const ENDS_WITH_PICTURE: bool = true;
+    /// Whether the printed text ends with the path of the first picture; if not, it ends with that of the results
+    /// folder.
+    const ENDS_WITH_PICTURE_PATH: bool = true;
 
     /// Returns the pairs of a quantity and its unit; overridden if they depend on the result.
     fn units(&self) -> &'static [(&'static str, &'static str)] {
         Self::UNITS
     }
 
-    /// Renders the text report.
+    /// Renders the report as text.
     fn to_text(&self, case: &Case) -> String;
 
-    /// Creates the pictures.
+    /// Creates the pictures of the report.
     ///
     /// # Errors
     /// The pictures cannot be created, for example since the case has no simulation.
@@ -54,11 +56,11 @@ pub trait Report: Serialize {
 /// Function that draws a picture in a file format.
 type DrawFunction = Box<dyn Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError>>;
 
-/// Picture, drawn as PNG and SVG.
+/// Picture of a report, drawn as PNG and SVG.
 pub struct ReportPicture {
     /// Name of the picture's files without extension.
     file_stem: &'static str,
-    draw: DrawFunction,
+    draw_function: DrawFunction,
 }
 
 impl ReportPicture {
@@ -67,7 +69,7 @@ impl ReportPicture {
         stem: &'static str,
         draw: impl Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError> + 'static,
     ) -> Self {
-        Self { file_stem: stem, draw: Box::new(draw) }
+        Self { file_stem: stem, draw_function: Box::new(draw) }
     }
 }
 
@@ -102,14 +104,14 @@ pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Err
     Ok(names)
 }
 
-/// Rendered report, ready to be written; its pictures are drawn when written.
+/// Rendered report, ready to be written; its pictures are drawn at writing.
 pub struct RenderedReport {
-    name: &'static str,
+    study_name: &'static str,
     json: String,
     text: String,
     pictures: Vec<ReportPicture>,
     tables: Vec<(&'static str, Vec<u8>)>,
-    ends_with_picture: bool,
+    ends_with_picture_path: bool,
 }
 
 impl RenderedReport {
@@ -119,12 +121,12 @@ impl RenderedReport {
     /// The text, the JSON report, a picture or a table cannot be rendered.
     pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
         Ok(Self {
-            name: R::NAME,
+            study_name: R::NAME,
             json: format!("{:#}\n", to_json(report)?),
             text: report.to_text(case),
             pictures: report.create_pictures(case)?,
             tables: report.create_tables(case)?,
-            ends_with_picture: R::ENDS_WITH_PICTURE,
+            ends_with_picture_path: R::ENDS_WITH_PICTURE_PATH,
         })
     }
 
@@ -140,8 +142,8 @@ impl RenderedReport {
         for (name, table) in &self.tables {
             put(name, table)?;
         }
-        put(&format!("{}.txt", self.name), self.text.as_bytes())?;
-        put(&format!("{}.json", self.name), self.json.as_bytes())
+        put(&format!("{}.txt", self.study_name), self.text.as_bytes())?;
+        put(&format!("{}.json", self.study_name), self.json.as_bytes())
     }
 
     /// Returns the text report.
@@ -156,7 +158,7 @@ impl RenderedReport {
 
     /// Returns the file name of the first picture; `None` if the text does not end with its path.
     pub fn first_picture_name(&self) -> Option<String> {
-        let first = self.pictures.first().filter(|_| self.ends_with_picture);
+        let first = self.pictures.first().filter(|_| self.ends_with_picture_path);
         first.map(|ReportPicture { file_stem: stem, .. }| format!("{stem}.png"))
     }
 }
@@ -170,7 +172,7 @@ pub fn draw_pictures<E: From<Error>>(
     mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
 ) -> Result<(), E> {
     use figures::FigureFormat::{Png, Svg};
-    for ReportPicture { file_stem: stem, draw } in pictures {
+    for ReportPicture { file_stem: stem, draw_function: draw } in pictures {
         for (format, ending) in [(Png, "png"), (Svg, "svg")] {
             put(&format!("{stem}.{ending}"), &draw(format).map_err(Error::from)?)?;
         }

@@ -13,7 +13,7 @@ mod solid;
 pub use animation::{AnimationFrame, FrameConverter, FrameScale};
 pub use archive::read_fields;
 pub use display::DisplayTime;
-pub use joints::{JointScale, create_joint_lines, read_joints};
+pub use joints::{JointLineScale, create_joint_lines, read_joints};
 pub use snapshot::create_image;
 
 use super::format::{case_title, format_short};
@@ -29,27 +29,36 @@ impl Report for RunResult {
 
     fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n", case_title(case));
-        let time = format_short(self.time);
+        let time = format_short(self.final_time);
         let _ = match self.time_step {
             Some(step) => {
-                writeln!(text, "{} steps of {} s: t = {time} s", self.steps, format_short(step))
+                writeln!(
+                    text,
+                    "{} steps of {} s: t = {time} s",
+                    self.step_count,
+                    format_short(step)
+                )
             }
-            None => writeln!(text, "{} steps: t = {time} s", self.steps),
+            None => writeln!(text, "{} steps: t = {time} s", self.step_count),
         };
         if let Some(stopped) = &self.stop_report {
             let _ = writeln!(text, "stopped: {stopped}");
         }
         let terms = if self.time_step.is_some() { SOLID_LEDGER_TERMS } else { FLOW_LEDGER_TERMS };
-        let unit = self.ledger.unit.replace("m3", "m³");
+        let unit = self.final_ledger.unit.replace("m3", "m³");
         for (name, description) in terms {
-            let Some(value) = self.ledger.term(name) else { continue };
-            if *name == "initial_stress_work" && value == 0.0 {
+            let Some(value) = self.final_ledger.term(name) else { continue };
+            // These terms are zero in most runs.
+            let is_special = ["joint_", "fluid_", "initial_stress_"]
+                .iter()
+                .any(|prefix| name.starts_with(prefix));
+            if is_special && value == 0.0 {
                 continue;
             }
             let unit: &str = if *name == "power" { "W/m³" } else { &unit };
             write_value_line(&mut text, description, value, unit);
         }
-        if let Some(joints) = &self.joints {
+        if let Some(joints) = &self.joint_summary {
             write_joints(&mut text, joints);
         }
         if let Some(flow) = &case.flow_run {
@@ -68,7 +77,7 @@ impl Report for RunResult {
         if let Some(receivers) = &self.records.receivers {
             all.push(("receivers.npz", archive::encode_table(receivers)?));
         }
-        let joints = &self.fields.joints;
+        let joints = &self.fields.joint_faces;
         if !joints.is_empty() {
             all.push(("joints.csv", joints::format_csv(joints)?));
             all.push(("joints.npz", joints::encode_npz(joints)?));
@@ -116,16 +125,23 @@ fn write_value_line(text: &mut String, name: &str, value: f64, unit: &str) {
     let _ = writeln!(text, "  {name:<34} {:>11} {unit}", format_short(value));
 }
 
-/// Writes numbers of slipped, open and broken faces of joints with extreme values and times of first events.
+/// Writes the numbers of slipped, open and broken faces of joints, with their extreme values and the times of first
+/// events.
 fn write_joints(text: &mut String, joints: &JointSummary) {
-    let JointSummary { faces, slipped, open, broken, .. } = *joints;
+    let JointSummary {
+        face_count: faces,
+        slipped_count: slipped,
+        open_count: open,
+        broken_count: broken,
+        ..
+    } = *joints;
     let _ = writeln!(
         text,
         "  faces of joints: {faces}; {slipped} slipped, {open} open, {broken} broken"
     );
     let values = [
-        ("largest slip", Some(joints.largest_slip).filter(|slip| *slip > 0.0), "m"),
-        ("largest opening", Some(joints.largest_opening).filter(|opening| *opening > 0.0), "m"),
+        ("largest slip", Some(joints.max_slip).filter(|slip| *slip > 0.0), "m"),
+        ("largest opening", Some(joints.max_opening).filter(|opening| *opening > 0.0), "m"),
         ("first slip", joints.first_slip_time, "s"),
         ("first fracture", joints.first_fracture_time, "s"),
     ];
@@ -139,7 +155,7 @@ fn write_joints(text: &mut String, joints: &JointSummary) {
 impl RunResult {
     fn write_value_ranges(&self, shown: &[FlowQuantity], text: &mut String) {
         for (own, quantity) in shown.iter().zip(&self.fields.quantities) {
-            let [least, greatest] = value_range(&quantity.values);
+            let [least, greatest] = compute_value_range(&quantity.values);
             let unit = quantity_unit(own.name());
             write_value_line(text, &format!("minimum {own}"), own.to_display_unit(least), unit);
             write_value_line(text, &format!("maximum {own}"), own.to_display_unit(greatest), unit);
@@ -148,7 +164,7 @@ impl RunResult {
 }
 
 /// Returns the minimum and the maximum of `values`.
-fn value_range(values: &[f64]) -> [f64; 2] {
+fn compute_value_range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(*value), high.max(*value)]
     })
@@ -164,7 +180,7 @@ pub fn create_pictures(
     records: &RunRecords,
 ) -> Result<Vec<ReportPicture>, Error> {
     Ok(match case.time_domain_run()? {
-        TimeDomainRun::Solid(dynamics) => solid::create_pictures(case, dynamics, fields, records),
+        TimeDomainRun::Solid(solid_run) => solid::create_pictures(case, solid_run, fields, records),
         TimeDomainRun::Flow(run) => flow::create_pictures(case, run, fields, records),
     })
 }

@@ -1,6 +1,6 @@
 //! Report on the characteristic speeds of a solid.
 
-use super::format::{case_title, format_normal as at, format_short};
+use super::format::{case_title, format_normal, format_short};
 use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, WaveNumbers};
@@ -71,7 +71,7 @@ impl SpeedsResult {
         let _ = writeln!(text, "\nspeeds {name}, over all sampled directions (m/s)");
         for wave in 0..self.directional_speeds.curves[0].1.len() {
             let number = wave + 1;
-            let _ = match speed_range(&self.directional_speeds, of_wave(wave).into_iter()) {
+            let _ = match compute_speed_range(&self.directional_speeds, of_wave(wave).into_iter()) {
                 Some([_, 0.0]) => writeln!(text, "  {number}  0: does not propagate"),
                 Some([low, high]) if high - low <= EQUAL_SPEED_TOLERANCE * high => {
                     writeln!(text, "  {number}  {}", format_short(high))
@@ -104,31 +104,31 @@ impl SpeedsResult {
     }
 
     fn write_extremes(&self, text: &mut String) {
-        if let Some(flutter) = self.flutter {
+        if let Some(flutter) = self.strongest_flutter {
             let [real, imaginary] = flutter.squared_speed;
             let _ = writeln!(
                 text,
                 "  strongest flutter: c² = {} ± {}i m²/s², normal {}; short waves grow as {} k",
                 format_short(real),
                 format_short(imaginary.abs()),
-                at(flutter.normal.vector),
+                format_normal(flutter.wave_normal.vector),
                 format_short(flutter.max_imaginary_speed)
             );
         }
         let value = match self.assessment.is_stationary() {
             true => "0".to_owned(),
-            false => format_short(self.slowest.squared_speed),
+            false => format_short(self.slowest_wave.squared_speed),
         };
         let place = match self.has_uniform_slowest_speed() {
             true => "in all directions".to_owned(),
-            false => format!("normal {}", at(self.slowest.normal.vector)),
+            false => format!("normal {}", format_normal(self.slowest_wave.wave_normal.vector)),
         };
         let _ = writeln!(text, "  slowest wave: c² = {value} m²/s², {place}");
     }
 }
 
 /// Returns the minimum and maximum of a speed, m/s, over the directions in which it is real; `None` if there are none.
-fn speed_range(
+fn compute_speed_range(
     speeds: &DirectionalSpeeds,
     squares: impl Iterator<Item = Complex64>,
 ) -> Option<[f64; 2]> {
@@ -172,8 +172,8 @@ fn format_sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
     Ok(files::csv::format_table(&["polar_deg", "azimuth_deg", "slowest_speed"], rows)?)
 }
 
-/// Returns the curves of one response; coincident curves are merged into one with their number as multiplicity. A point
-/// of a curve is Re c, for imaginary speeds (c² < 0) NaN.
+/// Creates the speed curves of one response; coincident curves are merged into one with a multiplicity. A point of a
+/// curve is Re c, m/s, or NaN for imaginary speeds (c² < 0).
 fn create_curves(found: &SpeedsResult, response: SolidResponse) -> Vec<SpeedCurve> {
     let DirectionalSpeeds { curves: directional_speeds, max_squared_speed: largest, .. } =
         &found.directional_speeds;
@@ -256,7 +256,7 @@ fn create_sphere_figure(
     hemisphere: &Hemisphere,
 ) -> SphereFigure {
     let extremes = &found.assessment.extremes;
-    // Opposite normals have the same speeds; the one whose angles are printed is marked.
+    // Opposite normals have equal speeds; the marked one is that whose angles are printed.
     let mark = |label: &str, of: [f64; 3]| {
         let [direction_deg, elevation_deg] = angles_deg(of);
         let wave = WaveNumbers { direction_deg, elevation_deg, ..case.material.numbers.wave };
@@ -267,7 +267,7 @@ fn create_sphere_figure(
         marks.push(mark("strongest flutter", flutter.normal));
     }
     if found.solid.plastic_state.is_some() && !found.has_uniform_slowest_speed() {
-        let label = match extremes.slowest.speed_squared < -extremes.slowest.rounding {
+        let label = match extremes.slowest.squared_speed < -extremes.slowest.rounding {
             true => "normal of the strongest shear band",
             false => "slowest wave",
         };

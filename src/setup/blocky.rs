@@ -6,21 +6,21 @@ use analysis::bloch::cell::{BlockRow, Cell, CellBlock, Joint};
 use analysis::bloch::chain::{Chain, ChainElement, ChainPolarisation, LayerCompliance};
 use models::interface::homogenised::{BlockyMedium, HomogenisedConstants};
 
-/// Periodic blocky medium with its cell.
+/// Periodic blocky medium, its periodic cell and its equivalent continuum, for the analysis of Bloch waves.
 #[derive(Clone, Debug)]
 pub struct BlochProblem {
     /// Blocks and joints of the case.
-    pub blocks: PeriodicBlocks,
-    /// Joints normal to x₁ and x₂, linearised.
-    pub joints: [Joint; 2],
-    /// Cell: one block, or two rows if rows are shifted.
-    pub cell: Cell,
+    pub periodic_blocks: PeriodicBlocks,
+    /// Laws of the joints normal to x₁ and x₂, linearised about the initial state.
+    pub joint_laws: [Joint; 2],
+    /// Periodic cell: one block, or two rows of blocks if rows are shifted.
+    pub periodic_cell: Cell,
     /// Constants of the equivalent continuum under slow loads, or the reason why there is none.
-    pub continuum: Result<HomogenisedConstants, String>,
+    pub continuum_constants: Result<HomogenisedConstants, String>,
 }
 
 impl BlochProblem {
-    /// Creates the problem of a case.
+    /// Creates the Bloch problem of a case.
     ///
     /// # Errors
     /// The case is not a periodic blocky medium (see [`Case::to_periodic_blocks`]), or its numbers are out of range.
@@ -31,8 +31,12 @@ impl BlochProblem {
             Joint::from_law(&law.material, law.mass)
         });
         let [width, height] = blocks.size;
-        let block =
-            CellBlock { width, material: blocks.material, right: joints[0], top: joints[1] };
+        let block = CellBlock {
+            width,
+            material: blocks.material,
+            right_joint: joints[0],
+            top_joint: joints[1],
+        };
         let row = |offset: f64| BlockRow { height, offset, blocks: vec![block] };
         let rows = match blocks.row_shift == 0.0 {
             true => vec![row(0.0)],
@@ -53,32 +57,43 @@ impl BlochProblem {
                 other => other.to_string(),
             })
             .and_then(|square| {
-                relax(&square.medium, &joints[0]).homogenise().map_err(|error| error.to_string())
+                with_slow_shear_stiffness(&square.medium, &joints[0])
+                    .homogenise()
+                    .map_err(|error| error.to_string())
             });
-        Ok(Self { blocks, joints, cell, continuum })
+        Ok(Self {
+            periodic_blocks: blocks,
+            joint_laws: joints,
+            periodic_cell: cell,
+            continuum_constants: continuum,
+        })
     }
 
-    /// Chain of a block and a joint along x₁, without joints across x₂; `None` if the rows are shifted or the joint is
-    /// viscous in this component.
-    pub fn chain(&self, polarisation: ChainPolarisation) -> Option<Chain> {
+    /// Creates the one-dimensional chain of a block and a joint along x₁, without joints normal to x₂; `None` if the
+    /// rows are shifted or the joint is viscous in this component.
+    pub fn create_chain(&self, polarisation: ChainPolarisation) -> Option<Chain> {
         let component = match polarisation {
-            ChainPolarisation::Longitudinal => self.joints[0].normal,
-            ChainPolarisation::Transverse => self.joints[0].tangential,
+            ChainPolarisation::Longitudinal => self.joint_laws[0].normal,
+            ChainPolarisation::Transverse => self.joint_laws[0].tangential,
         };
-        if self.blocks.row_shift != 0.0 || component.delay.is_some() {
+        if self.periodic_blocks.row_shift != 0.0 || component.delay.is_some() {
             return None;
         }
         let compliance = LayerCompliance::new_elastic(1.0 / component.stiffness);
         Chain::new(vec![
-            ChainElement::from_block(&self.blocks.material, self.blocks.size[0], polarisation),
+            ChainElement::from_block(
+                &self.periodic_blocks.material,
+                self.periodic_blocks.size[0],
+                polarisation,
+            ),
             ChainElement::Layer { mass: component.mass, compliance },
         ])
         .ok()
     }
 }
 
-/// The medium with the shear stiffness of slow loads.
-fn relax(medium: &BlockyMedium, joint: &Joint) -> BlockyMedium {
+/// Returns the medium with the joint shear stiffness that applies under slow loads, i.e. after relaxation.
+fn with_slow_shear_stiffness(medium: &BlockyMedium, joint: &Joint) -> BlockyMedium {
     let ratio = joint.relaxed().tangential.stiffness / joint.tangential.stiffness;
     let mut relaxed = *medium;
     relaxed.layer.shear_speed *= ratio.sqrt();

@@ -1,4 +1,4 @@
-//! Frozen-coefficient state of a flow from a case.
+//! Assessment of the state of a flow that a case describes, with frozen coefficients.
 
 use crate::case::Case;
 use analysis::StateError;
@@ -9,7 +9,7 @@ use models::flow::Model;
 ///
 /// # Errors
 /// A constant is out of range, or the state cannot be analysed.
-pub fn assess(
+pub fn assess_flow_state(
     case: &Case,
     workspace: &mut FlowWorkspace,
 ) -> Result<(Model, FrozenState), StateError> {

@@ -15,7 +15,7 @@ const MIN_TOLERANCE: f64 = 1e-13;
 ///
 /// # Errors
 /// A tolerance is below [`MIN_TOLERANCE`], or [`create_flow_problem`] fails.
-pub(crate) fn create_problem(case: &Case, run: &FlowRun) -> Result<FlowProblem, Error> {
+pub(crate) fn create_run_problem(case: &Case, run: &FlowRun) -> Result<FlowProblem, Error> {
     let time = &run.time;
     for (key, own) in
         [("tolerance", time.tolerance), ("pressure_tolerance", time.pressure_tolerance)]
@@ -23,7 +23,7 @@ pub(crate) fn create_problem(case: &Case, run: &FlowRun) -> Result<FlowProblem, 
         if own < MIN_TOLERANCE {
             let allowed = format!("at least {MIN_TOLERANCE:e}: less is lost in rounding");
             return Err(run
-                .error_at(&format!("time.{key}"), format!("found {own:?}"), allowed)
+                .key_error(&format!("time.{key}"), format!("found {own:?}"), allowed)
                 .into());
         }
     }

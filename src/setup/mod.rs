@@ -1,5 +1,5 @@
-//! Conversion of cases to problems of the other crates, and of the errors of these crates to errors with a place in the
-//! case file.
+//! Conversion of cases to problems of the other crates, and of the errors of these crates to errors with a position in
+//! the case file.
 
 pub mod blocky;
 pub mod check;
@@ -13,14 +13,14 @@ use crate::case::{Case, Material, ModelKind};
 use analysis::StateError;
 use models::InputError;
 
-/// Converts the error of a state to an error located in the case file.
+/// Converts an error in the state of a case to an error with its position in the case file.
 pub fn locate_state_error(material: &Material, error: StateError) -> Error {
     material.locate_error(into_input_error(material, error)).into()
 }
 
-/// Converts an error in the state at a map point to an error located in the case file; errors in swept parameters are
-/// located in the section \[map\].
-pub fn locate_in_map(case: &Case, error: StateError) -> Error {
+/// Converts an error in the state at a map point to an error with its position in the case file; errors in swept
+/// parameters are located in the section \[map\].
+pub fn locate_map_point_error(case: &Case, error: StateError) -> Error {
     case.locate_error_in_map(into_input_error(&case.material, error)).into()
 }
 

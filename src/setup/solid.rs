@@ -84,7 +84,7 @@ fn create_elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     let mut constants = Vec::new();
     let solid = solid_kind(material)?;
     material.numbers.model_constants.collect_si_values(solid.parameters, &mut constants);
-    solid.law(&constants)
+    solid.build_law(&constants)
 }
 
 /// Checks that the yield set of a material, if any, can be combined with the elastic law.
@@ -119,13 +119,13 @@ fn create_plasticity(material: &Material, kind: YieldSetKind) -> Result<PlasticS
     PlasticState::from_stress(
         set,
         pressure,
-        &stress_direction(material),
+        &compute_stress_direction(material),
         material.numbers.plastic_rate,
     )
 }
 
 /// Returns the stress of a material without its pressure: force stresses, Pa, and couple stresses, N/m.
-fn stress_direction(material: &Material) -> Stress {
+fn compute_stress_direction(material: &Material) -> Stress {
     let given = material.numbers.stress;
     let (sin, cos) = (2.0 * degrees_to_radians(given.stress_angle_deg)).cr_sin_cos();
     let [q, r] = [given.deviatoric_stress, given.rotational_stress];

@@ -2,12 +2,12 @@
 
 mod boundary;
 mod geometry;
+mod gravity;
 mod initial;
 mod joints;
 mod pulse;
 mod ranges;
 mod source;
-mod weight;
 
 use crate::Error;
 use crate::case::dynamics::{self as case, BoundaryFace, SolidRun, SolidTime, StateComponent};
@@ -18,57 +18,57 @@ use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 use dynamics::simulation::TimeSteps;
-pub(crate) use geometry::{cell_centre, containing_cell, create_probe};
+pub(crate) use geometry::{cell_centre, create_probe, find_containing_cell};
 use models::solid::waves::SolidField;
 
 /// Solver problem of a solid with its time steps and initial state, created from a case.
 pub(crate) struct SolidSetup<const D: usize> {
     pub(crate) problem: Problem<D>,
     pub(crate) time_steps: TimeSteps,
-    /// Fields that the initial state of the case sets, and their values by cell; all other fields are initially zero.
+    /// Fields that are initially nonzero, with their values by cell in SI units.
     pub(crate) initial_fields: Vec<(SolidField, Vec<f64>)>,
 }
 
-/// Returns the solver media of a case in the order of its regions or of the materials of its blocks;
-/// without these, the medium of its material.
-pub(crate) fn create_media(case: &Case, dynamics: &SolidRun) -> Result<Vec<Medium>, Error> {
-    let dimensions = dynamics.grid.dimensions();
+/// Returns the solver media of a case in the order of its regions, or of the materials of its blocks; if it has
+/// neither, the medium of its material.
+pub(crate) fn create_media(case: &Case, solid_run: &SolidRun) -> Result<Vec<Medium>, Error> {
+    let dimensions = solid_run.grid.dimensions();
     let medium = |own: &Material| {
         solid::create_medium(own, dimensions).map_err(|error| own.locate_error(error).into())
     };
-    let materials = dynamics.materials();
+    let materials = solid_run.materials();
     if materials.is_empty() {
         return medium(&case.material).map(|medium| vec![medium]);
     }
     let all: Vec<Medium> = materials.iter().map(|own| medium(own)).collect::<Result<_, Error>>()?;
     if let Some(odd) = all.iter().position(|medium| medium.fields != all[0].fields) {
         let kinds = [odd, 0].map(|index| materials[index].kind.name());
-        let [own, first] = [odd, 0].map(|index| dynamics.material_section(index));
+        let [own, first] = [odd, 0].map(|index| solid_run.material_section(index));
         let found = format!("found {}, beside {} in {first}", kinds[0], kinds[1]);
         let allowed = "all media of a run need the same fields: solids of one theory";
-        return Err(dynamics.error_at(&format!("{own}.model.kind"), found, allowed).into());
+        return Err(solid_run.key_error(&format!("{own}.model.kind"), found, allowed).into());
     }
     Ok(all)
 }
 
 /// Returns the name of a field among the unknowns of the analysis, such as `σ12` for `sigma12` and `ω3` for `w3`.
-pub(crate) fn unknown_name(field: SolidField) -> String {
+pub(crate) fn analysis_unknown_name(field: SolidField) -> String {
     StateComponent(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
 
 /// Computes the time steps. Their length is the largest one allowed by the Courant number and the rotation per step,
 /// reduced such that it divides the duration.
 pub(crate) fn compute_time_steps(
-    dynamics: &SolidRun,
+    solid_run: &SolidRun,
     media: &[Medium],
 ) -> Result<TimeSteps, CaseError> {
     let SolidTime { duration, courant_number: courant, max_rotation_deg: rotation_deg } =
-        dynamics.time;
+        solid_run.time;
     let rotation = rotation_deg.to_radians();
-    let steps = TimeSteps::new(media, &dynamics.grid.spacing, courant, rotation, duration);
+    let steps = TimeSteps::new(media, &solid_run.grid.spacing, courant, rotation, duration);
     steps.map_err(|error| {
         let allowed = "at most 10¹² steps: give a shorter duration, or larger cells";
-        dynamics.error_at("time.duration", error.to_string(), allowed)
+        solid_run.key_error("time.duration", error.to_string(), allowed)
     })
 }
 
@@ -92,15 +92,21 @@ pub(crate) fn convert_scheme(chosen: case::SchemeOptions) -> Scheme {
 }
 
 impl<const D: usize> SolidSetup<D> {
-    pub(crate) fn new(case: &Case, dynamics: &SolidRun, media: Vec<Medium>) -> Result<Self, Error> {
-        ranges::check_constants(case, dynamics)?;
-        ranges::check_amplitudes(dynamics, &media)?;
-        let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
-        let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
-        let steps = compute_time_steps(dynamics, &media)?;
-        let of_cell = dynamics.compute_cell_media()?;
-        let scheme = convert_scheme(dynamics.scheme);
-        let converter = GridConverter { dynamics, medium: media[0].clone() };
+    pub(crate) fn new(
+        case: &Case,
+        solid_run: &SolidRun,
+        media: Vec<Medium>,
+    ) -> Result<Self, Error> {
+        ranges::check_constants(case, solid_run)?;
+        let wave_range = ranges::WaveRange::new(solid_run, &media);
+        ranges::check_amplitudes(&wave_range)?;
+        let cells = std::array::from_fn(|axis| solid_run.grid.cells[axis]);
+        let spacing = std::array::from_fn(|axis| solid_run.grid.spacing[axis]);
+        let steps = compute_time_steps(solid_run, &media)?;
+        ranges::check_joints(solid_run, &media, steps.step)?;
+        let of_cell = solid_run.compute_cell_media()?;
+        let scheme = convert_scheme(solid_run.scheme);
+        let converter = GridConverter { solid_run, first_medium: media[0].clone() };
         let boundaries: [[Boundary; 2]; D] = {
             let mut all = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
             for (axis, axis_boundaries) in all.iter_mut().enumerate() {
@@ -112,23 +118,26 @@ impl<const D: usize> SolidSetup<D> {
             all
         };
         let mut loads = Vec::new();
-        for (index, load) in dynamics.loads.iter().enumerate() {
+        for (index, load) in solid_run.loads.iter().enumerate() {
             loads.push(converter.create_load(index, load)?);
         }
         let mut sources = Vec::new();
-        for (index, source) in dynamics.sources.iter().enumerate() {
+        for (index, source) in solid_run.sources.iter().enumerate() {
             sources.extend(converter.create_sources(index, source)?);
         }
         let (acceleration, initial_stress) =
-            converter.gravity_and_initial_stress::<D>(&media, &of_cell)?;
-        let initial_fields = converter.create_initial_fields::<D>(case, media.len())?;
+            converter.compute_gravity_and_initial_stress::<D>(&media, &of_cell)?;
+        let layers = initial_stress.as_ref().map_or(&[][..], |(_, layers)| layers);
+        wave_range.check_gravity_and_initial_stress(&acceleration, layers)?;
+        let initial_fields =
+            converter.create_initial_fields::<D>(case, media.len(), &wave_range)?;
         let problem = Problem {
-            interlayers: converter.create_interlayers()?,
+            interlayers: converter.create_interlayers(steps.step)?,
             loads,
             sources,
             acceleration,
             initial_stress,
-            integrated_fields: dynamics
+            integrated_fields: solid_run
                 .output
                 .integrated_components
                 .iter()
@@ -136,14 +145,14 @@ impl<const D: usize> SolidSetup<D> {
                 .collect(),
             ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
         };
-        problem.validate().map_err(|error| locate_domain_error(dynamics, &error))?;
-        check_initial_stress(dynamics, &problem)?;
+        problem.validate().map_err(|error| locate_domain_error(solid_run, &error))?;
+        check_initial_stress(solid_run, &problem)?;
         Ok(Self { problem, time_steps: steps, initial_fields })
     }
 }
 
-/// Converts a solver error to an error of the case; the reader of case files should have found the fault already.
-fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
+/// Converts a solver error to an error of the case. The reader of case files normally reports the fault earlier.
+fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
         DomainError::ConditionCount { .. } | DomainError::Periodic(_) => "boundary",
@@ -154,13 +163,13 @@ fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
         DomainError::Interlayers { .. } => "joint",
         _ => "grid",
     };
-    dynamics.error_at(key, error.to_string(), "docs/case-file.md describes solids in time")
+    solid_run.key_error(key, error.to_string(), "docs/case-file.md describes solids in time")
 }
 
 /// Checks that the initial stress is in the yield set of each cell, since otherwise the first step would apply the
 /// return mapping to it.
 fn check_initial_stress<const D: usize>(
-    dynamics: &SolidRun,
+    solid_run: &SolidRun,
     problem: &Problem<D>,
 ) -> Result<(), CaseError> {
     let Some((axis, layers)) = &problem.initial_stress else { return Ok(()) };
@@ -168,10 +177,10 @@ fn check_initial_stress<const D: usize>(
     for (cell, &medium) in problem.cell_media.iter().enumerate() {
         let stress = layers[cell / stride % problem.grid.cells[*axis]];
         if problem.media[usize::from(medium)].project(&stress).stress != stress {
-            let key = if dynamics.gravity.is_some() { "gravity" } else { "initial_stress" };
-            let found = format!("beyond yield in the cell at {:?}", cell_centre(dynamics, cell));
+            let key = if solid_run.gravity.is_some() { "gravity" } else { "initial_stress" };
+            let found = format!("beyond yield in the cell at {:?}", cell_centre(solid_run, cell));
             let allowed = "an initial stress within the yield set";
-            return Err(dynamics.error_at(key, found, allowed));
+            return Err(solid_run.key_error(key, found, allowed));
         }
     }
     Ok(())
@@ -179,7 +188,7 @@ fn check_initial_stress<const D: usize>(
 
 /// Converter of positions and conditions of a case to cells, faces and fields of its grid.
 struct GridConverter<'a> {
-    dynamics: &'a SolidRun,
-    /// Medium of the first region; all media of a run have the same fields.
-    medium: Medium,
+    solid_run: &'a SolidRun,
+    /// Solver medium of the first region; all media of a run have the same fields.
+    first_medium: Medium,
 }

@@ -1,16 +1,16 @@
-//! Memory available within the system, the process limits and the control group limits.
+//! Memory that is available to the program within the limits of the machine, the process and the control group.
 
 use std::fmt::{Display, Formatter};
 use std::path::Path;
 
-/// Number of bytes.
+/// Amount of memory or storage, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Bytes(pub f64);
 
-/// Fraction of the available memory that a plan may use; the rest is for allocations not counted.
+/// Fraction of the available memory that a plan may use; the rest is for allocations that plans do not count.
 const USABLE_FRACTION: f64 = 0.9;
 
-/// Available memory and the limit that determines it.
+/// Available memory, bytes, and a description of the limit that determines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AvailableMemory {
     bytes: f64,
@@ -59,13 +59,14 @@ impl AvailableMemory {
 
 /// Finds the first line that starts with `word` in a file, and returns the rest of that line without surrounding
 /// spaces.
-fn read_entry(path: &Path, word: &str) -> Option<String> {
+fn read_value_after_prefix(path: &Path, word: &str) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
     text.lines().find_map(|line| line.strip_prefix(word)).map(|rest| rest.trim().to_owned())
 }
 
 fn read_kibibytes(path: &Path, word: &str) -> Option<f64> {
-    let number: f64 = read_entry(path, word)?.strip_suffix("kB")?.trim().parse().ok()?;
+    let number: f64 =
+        read_value_after_prefix(path, word)?.strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024.0 * number)
 }
 
@@ -76,7 +77,7 @@ fn free_memory(root: &Path) -> Option<f64> {
 
 /// Returns the remainder of the address space limit RLIMIT_AS, bytes.
 fn remaining_address_space(root: &Path) -> Option<f64> {
-    let limits = read_entry(&root.join("proc/self/limits"), "Max address space")?;
+    let limits = read_value_after_prefix(&root.join("proc/self/limits"), "Max address space")?;
     let limit: f64 = limits.split_whitespace().next()?.parse().ok()?;
     Some((limit - read_kibibytes(&root.join("proc/self/status"), "VmSize:")?).max(0.0))
 }
@@ -85,7 +86,7 @@ fn remaining_address_space(root: &Path) -> Option<f64> {
 /// or 2.
 fn remaining_control_group_memory(root: &Path) -> Option<f64> {
     let text = std::fs::read_to_string(root.join("proc/self/cgroup")).ok()?;
-    let of_line = |line: &str| {
+    let group_memory_of_line = |line: &str| {
         let (_, rest) = line.split_once(':')?;
         let (controllers, path) = rest.split_once(':')?;
         let (mount, names): (_, [&str; 3]) = match controllers {
@@ -103,7 +104,7 @@ fn remaining_control_group_memory(root: &Path) -> Option<f64> {
             .filter_map(|group| remaining_group_memory(&root.join(mount).join(group), names))
             .reduce(f64::min)
     };
-    text.lines().filter_map(of_line).reduce(f64::min)
+    text.lines().filter_map(group_memory_of_line).reduce(f64::min)
 }
 
 /// Returns the remainder of the memory limit of one group, bytes. Pages of the file cache are not counted as used,
@@ -112,11 +113,12 @@ fn remaining_group_memory(group: &Path, [limit, used, prefix]: [&str; 3]) -> Opt
     let number = |name: &str| -> Option<f64> {
         std::fs::read_to_string(group.join(name)).ok()?.trim().parse().ok()
     };
-    let of_files = |word: &str| -> f64 {
-        let found = read_entry(&group.join("memory.stat"), &format!("{prefix}{word} "));
+    let page_cache_bytes = |word: &str| -> f64 {
+        let found =
+            read_value_after_prefix(&group.join("memory.stat"), &format!("{prefix}{word} "));
         found.and_then(|own| own.parse().ok()).unwrap_or(0.0)
     };
-    let used = number(used)? - of_files("inactive_file") - of_files("active_file");
+    let used = number(used)? - page_cache_bytes("inactive_file") - page_cache_bytes("active_file");
     Some((number(limit)? - used.max(0.0)).max(0.0))
 }
 
@@ -167,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn plans_beyond_available_memory_are_refused() {
+    fn plans_exceeding_available_memory_are_refused() {
         let Some(available) = AvailableMemory::from_system_files(Path::new("/")) else { return };
         let part = |part: f64| AvailableMemory::find_shortage(Bytes(part * available.bytes));
         assert!(part(0.5).is_none() && part(1.5).is_some());

@@ -11,7 +11,7 @@ use serde::Serialize;
 /// Dispersion relation of a solid in one direction.
 #[derive(Clone, Debug, Serialize)]
 pub struct DispersionResult {
-    /// Kind of the solid.
+    /// Kind of the solid, as named in case files.
     pub model: &'static str,
     /// Wave vector of the case, for which the branches are listed.
     pub wave: WaveVector,
@@ -19,9 +19,9 @@ pub struct DispersionResult {
     /// of the solid, or the wave number of the case if the solid has none.
     #[serde(rename = "greatest_number")]
     pub max_wave_number: f64,
-    /// Families of branches; those of equal dispersion are merged.
+    /// Families of branches by polarisation; families of equal dispersion are merged.
     pub families: Vec<BranchFamily>,
-    /// Solid with its yield set and stress.
+    /// Analysed solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
 }
@@ -29,7 +29,7 @@ pub struct DispersionResult {
 /// Wave vector in space, as wave number and angles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveVector {
-    /// Wave number k, 1/m.
+    /// Wave number k, the magnitude of the wave vector, 1/m.
     #[serde(rename = "number")]
     pub wave_number: f64,
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
@@ -48,9 +48,9 @@ impl From<WaveNumbers> for WaveVector {
 /// Waves of one polarisation, merged with those of other polarisations that have equal dispersion.
 #[derive(Clone, Debug, Serialize)]
 pub struct BranchFamily {
-    /// Polarisation of the waves.
+    /// Polarisation of the waves of the family.
     pub polarisation: &'static str,
-    /// Number of merged families.
+    /// Number of families of equal dispersion that are merged into this one.
     #[serde(rename = "count")]
     pub family_count: usize,
     /// Real parts of the characteristic speeds (phase speeds as k → ∞), m/s.
@@ -59,9 +59,9 @@ pub struct BranchFamily {
     /// for real speeds.
     #[serde(rename = "characteristic_growth")]
     pub imaginary_characteristic_speeds: Vec<f64>,
-    /// Nonzero frequencies at k = 0, rad/s.
+    /// Cut-off frequencies: nonzero angular frequencies at k = 0, rad/s.
     pub cut_off_frequencies: Vec<f64>,
-    /// Frequencies as k → ∞ of branches with zero characteristic speed, rad/s.
+    /// Limits as k → ∞ of the angular frequencies of branches with zero characteristic speed, rad/s.
     pub short_wave_limits: Vec<f64>,
     /// Band gaps, in which no such wave propagates: lower and upper frequency, rad/s; the upper one is infinite
     /// if no wave propagates above (null in JSON).
@@ -81,7 +81,7 @@ pub struct BranchFamily {
 /// Frequency, growth rate and speeds of a branch at the wave number of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BranchAtWave {
-    /// Frequency Re ω, rad/s.
+    /// Angular frequency Re ω, rad/s.
     pub frequency: f64,
     /// Growth rate |Im ω|, 1/s; the waves of a branch with complex ω² come in pairs, of which one grows and one decays.
     pub growth_rate: f64,

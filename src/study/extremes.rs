@@ -4,14 +4,14 @@ use analysis::acoustic_tensor3::{Flutter, SlowestSpeed};
 use analysis::solids::angles_deg;
 use serde::Serialize;
 
-/// Wave normal, as a vector and as angles.
+/// Unit normal of a plane wave front, as a vector and as two angles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveNormal {
-    /// Unit vector normal to the wave front.
+    /// Unit vector n normal to the wave front.
     pub vector: [f64; 3],
-    /// Direction in the plane of x₁ and x₂ from x₁, degrees.
+    /// Direction of the normal in the plane of x₁ and x₂, measured from x₁, degrees.
     pub direction_deg: f64,
-    /// Elevation above the plane of x₁ and x₂, degrees.
+    /// Elevation of the normal above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
 }
 
@@ -22,39 +22,43 @@ impl From<[f64; 3]> for WaveNormal {
     }
 }
 
-/// Wave of the strongest flutter.
+/// Wave of the strongest flutter, i.e. of the largest imaginary part of a complex characteristic speed c.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlutterWave {
     /// Supremum of |Im c| over the directions with complex c², m/s; short waves grow at the rate of this speed times
     /// the wave number k.
     #[serde(rename = "growth")]
     pub max_imaginary_speed: f64,
-    /// Real and imaginary part of c² at the supremum, m²/s²; the conjugate is also an eigenvalue.
+    /// Real and imaginary part of c² of this wave, m²/s²; the complex conjugate is also an eigenvalue.
     pub squared_speed: [f64; 2],
-    /// Normal of this wave.
-    pub normal: WaveNormal,
+    /// Wave normal of the strongest flutter.
+    #[serde(rename = "normal")]
+    pub wave_normal: WaveNormal,
 }
 
 impl From<Flutter> for FlutterWave {
-    fn from(Flutter { growth, speed_squared, normal }: Flutter) -> Self {
-        let squared_speed = [speed_squared.re, speed_squared.im];
-        Self { max_imaginary_speed: growth, squared_speed, normal: normal.into() }
+    fn from(flutter: Flutter) -> Self {
+        let Flutter { max_imaginary_speed, squared_speed, normal } = flutter;
+        let squared_speed = [squared_speed.re, squared_speed.im];
+        Self { max_imaginary_speed, squared_speed, wave_normal: normal.into() }
     }
 }
 
-/// Slowest wave among those with real c².
+/// Slowest wave over all directions among those with real squared characteristic speed c².
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SlowestWave {
     /// Smallest real c², m²/s²; infinite if no direction has real c² (null in JSON).
     pub squared_speed: f64,
     /// Bound on the rounding error of `squared_speed`, m²/s².
-    pub rounding: f64,
-    /// Normal of this wave.
-    pub normal: WaveNormal,
+    #[serde(rename = "rounding")]
+    pub rounding_bound: f64,
+    /// Wave normal of the slowest wave.
+    #[serde(rename = "normal")]
+    pub wave_normal: WaveNormal,
 }
 
 impl From<SlowestSpeed> for SlowestWave {
-    fn from(SlowestSpeed { speed_squared, normal, rounding }: SlowestSpeed) -> Self {
-        Self { squared_speed: speed_squared, rounding, normal: normal.into() }
+    fn from(SlowestSpeed { squared_speed, normal, rounding }: SlowestSpeed) -> Self {
+        Self { squared_speed, rounding_bound: rounding, wave_normal: normal.into() }
     }
 }

@@ -61,7 +61,7 @@ pub fn format_superscript(order: f64) -> String {
     }
 }
 
-/// Describes the evidence of a verdict.
+/// Describes as text the evidence on which a verdict is based.
 pub fn describe_evidence(verdict: &Verdict) -> String {
     match verdict {
         Verdict::WellPosed => {

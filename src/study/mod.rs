@@ -1,7 +1,7 @@
-//! Studies of a case that return values, without output to terminal or files.
+//! Studies of a case. They return values and write neither to the terminal nor to files.
 //!
-//! One module per study. Results implement `serde::Serialize`, as in the JSON reports; data that reports omit, such as
-//! long curves, are fields marked `#[serde(skip)]`.
+//! Each study has one module. Results implement `serde::Serialize`, as in the JSON reports; values that reports omit,
+//! such as long curves, are fields marked `#[serde(skip)]`.
 
 mod available_memory;
 pub mod bloch;
@@ -15,12 +15,12 @@ pub mod point;
 pub mod simulate;
 pub mod speeds;
 
-pub use bloch::{BlochResult, compute_bloch_waves};
+pub use bloch::{BandStructureResult, compute_bloch_waves};
 pub use check::{CheckResult, check_agreement};
 pub use dispersion::{DispersionResult, compute_dispersion};
 pub use homogenise::{HomogeniseResult, homogenise};
 pub use map::{MapOptions, MapResult, check_map, compute_map};
-pub use point::{FlowPoint, PointResult, SolidPoint, analyse_point};
+pub use point::{FlowAnalysis, PointResult, SolidAnalysis, analyse_point};
 pub use simulate::{RunResult, simulate};
 pub use speeds::{SpeedsResult, compute_speeds};
 
@@ -36,7 +36,7 @@ pub fn ignore_progress(_done: usize, _all: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Reports to the callback that `done` of `all` steps are done.
+/// Passes progress to the callback: `done` of `all` steps are complete.
 ///
 /// # Errors
 /// The callback returned `Break`: [`Error::Cancelled`].

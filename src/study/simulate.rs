@@ -7,41 +7,41 @@
 mod cost;
 mod flow;
 mod joint;
-mod memory;
+mod memory_recorder;
 mod observer;
 mod plan;
-mod record;
+mod recorder;
+mod run_result;
 mod solid;
 mod stop;
-mod value;
 
 pub use super::available_memory::Bytes;
 pub use cost::{Cost, CostAmount, CostExcess};
 pub use joint::{FaceRecord, JOINT_QUANTITIES, JointFace, JointQuantity, JointSummary};
 pub use plan::{ProblemSize, SimulationPlan, SimulationWarning};
-pub use record::{Recorder, RunProgress, StepStatistics, TableHeader, TableKind, column_unit};
-pub use stop::{IllPosedness, StopCause, StopReport};
-pub use value::{
+pub use recorder::{Recorder, RunProgress, StepStatistics, TableHeader, TableKind, column_unit};
+pub use run_result::{
     FieldQuantity, FinalLedger, OutputFields, RecordColumn, RecordTable, RunReceiver, RunRecords,
     RunResult, quantity_unit,
 };
+pub use stop::{IllPosedness, StopCause, StopReport};
 
 use super::ProgressCallback;
 use crate::Error;
 use crate::case::{Case, TimeDomainRun};
-use memory::MemoryRecorder;
+use memory_recorder::MemoryRecorder;
 use serde::Serialize;
 
-/// Options of a simulation besides its case.
+/// Options of a simulation that are not part of its case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SimulationSettings {
     /// Whether a flow is simulated although its equations are ill-posed.
     pub accept_ill_posed: bool,
 }
 
-/// Simulates a solid or a flow and keeps the output in memory. Progress counts thousandths of the duration.
+/// Simulates a solid or a flow and keeps the output in memory. Progress counts thousandths of the simulated duration.
 ///
-/// A simulation stopped early by its own state returns a result as well, see [`RunResult::stop_report`].
+/// A simulation that stops early because of its state returns a result as well, see [`RunResult::stop_report`].
 ///
 /// # Errors
 /// The case is invalid or has no simulation, its state cannot be analysed, memory is insufficient, there are too many
@@ -89,7 +89,7 @@ pub trait SimulationJob: Sync {
     /// The cost exceeds a limit; the error names the responsible key.
     fn refuse_excess(&self, plan: &SimulationPlan) -> Result<(), Error>;
 
-    /// Checks the case completely, without a time step.
+    /// Checks the complete case, including the initial state, without a time step.
     ///
     /// # Errors
     /// The case is invalid.
@@ -98,8 +98,8 @@ pub trait SimulationJob: Sync {
     /// Returns warnings on settings that are probably unintended.
     ///
     /// # Errors
-    /// There are too many steps.
-    fn warnings(&self) -> Result<Vec<SimulationWarning>, Error>;
+    /// The number of time steps exceeds its limit.
+    fn find_warnings(&self) -> Result<Vec<SimulationWarning>, Error>;
 
     /// Returns the ill-posedness found by the analysis; `None` if well-posed.
     ///
@@ -120,7 +120,7 @@ pub trait SimulationJob: Sync {
 /// The case is invalid or has no simulation.
 pub fn create_job(case: &Case) -> Result<Box<dyn SimulationJob + '_>, Error> {
     Ok(match case.time_domain_run()? {
-        TimeDomainRun::Solid(dynamics) => Box::new(solid::SolidJob::new(case, dynamics)?),
+        TimeDomainRun::Solid(solid_run) => Box::new(solid::SolidJob::new(case, solid_run)?),
         TimeDomainRun::Flow(run) => Box::new(flow::FlowJob::new(case, run)?),
     })
 }

@@ -20,24 +20,26 @@ pub const EQUAL_SPEED_TOLERANCE: f64 = 1e-6;
 /// Angular spacing of the directions on the hemisphere, degrees.
 const ANGULAR_STEP_DEG: usize = 1;
 
-/// Characteristic speeds of a solid.
+/// Characteristic speeds of a solid by direction, with the verdict that they determine.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpeedsResult {
-    /// Kind of the solid.
+    /// Kind of the solid, as named in case files.
     pub model: &'static str,
     /// Name of the yield set; `None` for elastic solids.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
-    /// Dimensions: 2 for plane strain, 3 in space.
+    /// Number of dimensions: 2 for plane strain, 3 in space.
     pub dimensions: usize,
-    /// Name of the verdict.
+    /// Name of the verdict on the well-posedness of the solid.
     pub verdict: &'static str,
     /// Type of the characteristic speeds over all directions.
     pub hyperbolicity: &'static str,
     /// Strongest flutter; `None` without complex speeds.
-    pub flutter: Option<FlutterWave>,
+    #[serde(rename = "flutter")]
+    pub strongest_flutter: Option<FlutterWave>,
     /// Slowest wave over all directions among those with real c².
-    pub slowest: SlowestWave,
+    #[serde(rename = "slowest")]
+    pub slowest_wave: SlowestWave,
     /// Sectors of wave normals with complex speeds at the elevation `elevation_deg`, from and to, degrees.
     pub flutter_sectors_deg: Vec<[f64; 2]>,
     /// Sectors of wave normals with imaginary speeds (c² < 0) at the elevation `elevation_deg`, from and to, degrees.
@@ -50,15 +52,16 @@ pub struct SpeedsResult {
     pub vanishing_speeds: Vec<VanishingSpeed>,
     /// Elevation of the directions of the curves above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
-    /// Method of the verdict.
+    /// Method by which the verdict was obtained.
     pub route: &'static str,
-    /// Solid with its yield set and stress.
+    /// Analysed solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
-    /// Verdict with its evidence.
+    /// Verdict on the solid with its evidence.
     #[serde(skip)]
     pub assessment: SolidAssessment,
-    /// Squared speeds by direction at the elevation `elevation_deg`, elastic and yielding.
+    /// Squared characteristic speeds of the elastic and the yielding response by direction, at the elevation
+    /// `elevation_deg`.
     #[serde(skip)]
     pub directional_speeds: DirectionalSpeeds,
     /// Slowest nonzero speed in each direction; `None` in two dimensions.
@@ -66,12 +69,12 @@ pub struct SpeedsResult {
     pub hemisphere: Option<Hemisphere>,
 }
 
-/// Direction in which a speed vanishes.
+/// Isolated direction in which a characteristic speed vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VanishingSpeed {
-    /// Direction of the wave normal, degrees.
+    /// Direction of the wave normal in the plane of x₁ and x₂, degrees.
     pub direction_deg: f64,
-    /// Cause of the vanishing speed.
+    /// Cause for which the speed vanishes, such as slip along a layer.
     #[serde(rename = "what")]
     pub cause: &'static str,
 }
@@ -89,7 +92,7 @@ pub struct Hemisphere {
     pub slowest_speeds: Vec<f64>,
 }
 
-/// Computes the characteristic speeds of a solid on the threads of the surrounding rayon pool.
+/// Computes the characteristic speeds of a solid on the rayon thread pool in which it is called.
 ///
 /// ```
 /// use wellposed::case::Case;
@@ -107,29 +110,29 @@ pub struct Hemisphere {
 /// let found = wellposed::compute_speeds(&case, &ignore_progress)?;
 /// assert_eq!((found.verdict, found.hyperbolicity), ("well-posed", "hyperbolic"));
 /// // Shear waves: c² = μ/ρ.
-/// assert!((found.slowest.squared_speed - 0.5).abs() < 1e-12);
+/// assert!((found.slowest_wave.squared_speed - 0.5).abs() < 1e-12);
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 ///
 /// # Errors
 /// The case is not a valid solid, its state cannot be analysed, or the study was cancelled.
 pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<SpeedsResult, Error> {
-    let located = |error| setup::locate_state_error(&case.material, error);
+    let locate_error = |error| setup::locate_state_error(&case.material, error);
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let hemisphere = Hemisphere::new();
     let all = 1 + if solid.dimensions == 2 { 0 } else { hemisphere.polar_deg.len() };
     report_progress(on_progress, 0, all)?;
     let cache = AcousticTensorCache::default();
-    let (assessment, _) = SolidAssessor::new(&cache).assess(&solid).map_err(located)?;
+    let (assessment, _) = SolidAssessor::new(&cache).assess(&solid).map_err(locate_error)?;
     let elevation = degrees_to_radians(case.material.numbers.wave.elevation_deg);
     let by_direction =
-        DirectionalSpeeds::new(&solid, elevation).map_err(|error| located(error.into()))?;
+        DirectionalSpeeds::new(&solid, elevation).map_err(|error| locate_error(error.into()))?;
     report_progress(on_progress, 1, all)?;
     let hemisphere = match solid.dimensions {
         2 => None,
         _ => {
-            let rates = solid.rates().map_err(|error| located(error.into()))?;
+            let rates = solid.rates().map_err(|error| locate_error(error.into()))?;
             let done = AtomicUsize::new(1);
             Some(hemisphere.compute_slowest_speeds(&rates, &|| {
                 report_progress(on_progress, done.fetch_add(1, Ordering::Relaxed) + 1, all)
@@ -143,8 +146,8 @@ pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<Spee
         dimensions: solid.dimensions,
         verdict: assessment.verdict.name(),
         hyperbolicity: assessment.hyperbolicity.name(),
-        flutter: extremes.flutter.map(FlutterWave::from),
-        slowest: extremes.slowest.into(),
+        strongest_flutter: extremes.flutter.map(FlutterWave::from),
+        slowest_wave: extremes.slowest.into(),
         flutter_sectors_deg: by_direction.flutter_sectors.clone(),
         imaginary_sectors_deg: by_direction.imaginary_sectors.clone(),
         is_always_stationary: by_direction.is_always_stationary,
@@ -165,7 +168,7 @@ pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<Spee
 impl SpeedsResult {
     /// Returns whether the slowest speed is equal in all sampled directions, within [`EQUAL_SPEED_TOLERANCE`].
     pub fn has_uniform_slowest_speed(&self) -> bool {
-        let slowest = self.assessment.extremes.slowest.speed_squared.max(0.0).sqrt();
+        let slowest = self.assessment.extremes.slowest.squared_speed.max(0.0).sqrt();
         let is_same = |c: f64| {
             (c - slowest).abs()
                 <= EQUAL_SPEED_TOLERANCE * self.directional_speeds.max_squared_speed.sqrt()
@@ -181,19 +184,19 @@ impl SpeedsResult {
 }
 
 impl Hemisphere {
-    /// Creates the grid of directions; the speeds are not computed yet.
+    /// Creates the grid of directions, without speeds.
     fn new() -> Self {
-        let list = |to: usize| {
+        let angle_list = |to: usize| {
             (0..to).step_by(ANGULAR_STEP_DEG).map(|degrees| degrees as f64).collect::<Vec<_>>()
         };
-        Self { polar_deg: list(91), azimuth_deg: list(360), slowest_speeds: Vec::new() }
+        Self { polar_deg: angle_list(91), azimuth_deg: angle_list(360), slowest_speeds: Vec::new() }
     }
 
-    /// Computes the slowest nonzero speeds; `row_is_done` is called after each polar angle.
+    /// Computes the slowest nonzero speeds; `report_row_done` is called after each polar angle.
     fn compute_slowest_speeds(
         self,
         rates: &RateEquations<3>,
-        row_is_done: &(dyn Fn() -> Result<(), Error> + Sync),
+        report_row_done: &(dyn Fn() -> Result<(), Error> + Sync),
     ) -> Result<Self, Error> {
         let row = |polar: &f64| {
             let (sin, cos) = polar.to_radians().cr_sin_cos();
@@ -202,7 +205,7 @@ impl Hemisphere {
                 slowest_speed(rates, [sin * x, sin * y, cos])
             };
             let row: Vec<f64> = self.azimuth_deg.iter().map(speed).collect();
-            row_is_done()?;
+            report_row_done()?;
             Ok(row)
         };
         let rows = self.polar_deg.par_iter().map(row).collect::<Result<Vec<_>, Error>>()?;

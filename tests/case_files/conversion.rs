@@ -51,7 +51,7 @@ fn conversion_keeps_noncoaxiality_determined_by_spin() {
     let converted =
         given.convert_with_noncoaxiality(ModelKind::Flow(registry::PLASTIC_POTENTIAL), None);
     assert_eq!((delta(&converted.case), converted.lost_noncoaxiality_deg), (Some(0.0), Some(5.0)));
-    // A coaxial case loses nothing.
+    // The conversion of a coaxial case drops no non-coaxiality.
     let coaxial = parse_case(&FULL_CASE.replace("spin = -0.125\n", "")).unwrap();
     let converted =
         coaxial.convert_with_noncoaxiality(ModelKind::Flow(registry::PLASTIC_POTENTIAL), Some(0.0));

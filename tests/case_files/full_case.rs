@@ -39,7 +39,7 @@ pub fn parse_full_case_with(settings: &[&str]) -> Result<Case, String> {
     parse_case_with(FULL_CASE, settings)
 }
 
-/// Derives model and background of a case, i.e. everything before the analysis.
+/// Derives model and background of a case, i.e. all that precedes the analysis.
 pub fn derive_background(case: &Case) -> Result<(), String> {
     let background = case
         .build_located_model()

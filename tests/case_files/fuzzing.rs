@@ -45,9 +45,9 @@ fn ten_thousand_mutants_are_accepted_or_refused() {
         let resolved = parse_case(&case.to_toml()).expect("a resolved case is a case");
         assert!(resolved == case, "the resolved case differs from the case");
         for kind in case.compared_kinds.iter().flatten() {
-            let _ = setup::flow::assess(&case.convert_to_kind(*kind), &mut workspace);
+            let _ = setup::flow::assess_flow_state(&case.convert_to_kind(*kind), &mut workspace);
         }
-        // All corners of the map.
+        // All corners of the map are assessed.
         for map in case.map.iter().filter(|map| map.x.point_count.max(map.y.point_count) <= 1000) {
             for corner in 0..4 {
                 let mut case = case.clone();
@@ -59,7 +59,7 @@ fn ten_thousand_mutants_are_accepted_or_refused() {
                     map.y.parameter,
                     map.y.sweep_value((corner / 2) * (map.y.point_count - 1)),
                 );
-                let _ = setup::flow::assess(&case, &mut workspace);
+                let _ = setup::flow::assess_flow_state(&case, &mut workspace);
             }
         }
         // A complete point costs more than its verdict: every tenth mutant only.
@@ -69,7 +69,7 @@ fn ten_thousand_mutants_are_accepted_or_refused() {
                 Options { case_path: file.clone(), is_dry_run: true, ..Options::default() };
             let _ = wellposed::cli::run_point(&options, &mut std::io::sink());
         }
-        setup::flow::assess(&case, &mut workspace).is_ok()
+        setup::flow::assess_flow_state(&case, &mut workspace).is_ok()
     });
 }
 

@@ -52,7 +52,7 @@ fn case_is_parsed_as_written() {
     assert_eq!((case.map, case.compared_kinds), (None, None));
 }
 
-/// Constants passed to the flow model of a case.
+/// Returns the constants that are passed to the flow model of a case.
 fn model_constants(case: &Case) -> Vec<f64> {
     let ModelKind::Flow(flow) = case.material.kind else { return Vec::new() };
     let mut constants = Vec::new();

@@ -146,7 +146,7 @@ fn error_of_swept_parameter_names_the_sweep() {
     assert!(error.starts_with(&format!("--set map.x.from=-3: {expected}")), "{error}");
     let error = located(&["background.pressure=5"]);
     assert!(error.starts_with(&format!("folder/x.toml:23: {expected}")), "{error}");
-    // An error of a key that is not swept names its own line.
+    // The error of a key that is not swept names the line of that key.
     let error = located(&["map.x.parameter=wave.number"]);
     assert!(error.starts_with("folder/x.toml:11: background.pressure: found -3; "), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Tests of the interpretation of templates, shapes, time functions and names.
 
 use super::support::{parse_case, replace_first};
-use super::{PLANE_CASE, SPATIAL_CASE, parse_dynamics};
+use super::{PLANE_CASE, SPATIAL_CASE, parse_solid_run};
 use models::registry;
 use models::solid::parameters::Theory;
 use wellposed::case::dynamics::{RegionShape, StateComponent, TimeFunction};
@@ -62,7 +62,7 @@ fn run_template_contains_every_key() {
         let (_, list) = error.split_once(before).unwrap_or_else(|| panic!("{error}"));
         list.split(", ").map(str::to_owned).collect()
     };
-    // The sections of a blocky medium are in place of the grid, with alternatives: they have tests of their own.
+    // Sections of a blocky medium are alternatives to the grid, with alternatives among them; other tests verify them.
     let is_blocky = |header: &str| ["[[block]]", "[[joint]]"].contains(&header);
     for (header, text, lines) in blocks.iter().filter(|block| !is_blocky(block.0)) {
         parse_case(&document(header, text)).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -106,10 +106,10 @@ fn run_template_contains_every_key() {
 #[test]
 fn every_cell_has_one_medium() {
     let media =
-        |text: &str| parse_dynamics(text).compute_cell_media().map_err(|error| error.to_string());
+        |text: &str| parse_solid_run(text).compute_cell_media().map_err(|error| error.to_string());
     let plane = media(PLANE_CASE).unwrap();
     let count = |medium: u16| plane.iter().filter(|cell| **cell == medium).count();
-    // Half of the grid, the cells with centres within 1.5 m of (2.5, 5), and the remaining cells.
+    // Expected are half of the grid, the cells with centres within 1.5 m of (2.5, 5), and the remaining cells.
     assert_eq!((plane.len(), count(0), count(1), count(2)), (200, 100, 12, 88));
     assert_eq!(plane[..11], [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2]);
     // Layers and half-spaces adjoin without gaps, although cell centres may be on the common plane.

@@ -13,9 +13,9 @@ use wellposed::case::dynamics::SolidRun;
 /// numbers.
 const PLANE_CASE: &str = include_str!("../data/plane.toml");
 
-/// Three-dimensional case.
+/// Three-dimensional case of a time-domain simulation.
 const SPATIAL_CASE: &str = include_str!("../data/spatial.toml");
 
-fn parse_dynamics(text: &str) -> SolidRun {
+fn parse_solid_run(text: &str) -> SolidRun {
     parse_case(text).unwrap().solid_run.unwrap()
 }

@@ -1,20 +1,20 @@
 //! Tests of parsing time-domain sections in all notations.
 
 use super::support::{parse_case, parse_case_with, replace_first};
-use super::{PLANE_CASE, SPATIAL_CASE, parse_dynamics};
+use super::{PLANE_CASE, SPATIAL_CASE, parse_solid_run};
 use models::registry;
 use models::solid::parameters::Isotropic;
 use wellposed::case::dynamics::{
     BoundaryConditionKind, BoundaryFace, InitialStateTerm, Kernel, LoadedArea, PlottedQuantity,
     PulseCentre, RecordedQuantity, SourceKind, StateComponent, TimeFunction,
 };
-use wellposed::case::{Case, Material, ModelKind, Yield};
+use wellposed::case::{Case, Material, ModelKind, YieldSetKind};
 use wellposed::cli::{self, Options};
 use wellposed::setup;
 
 #[test]
 fn case_is_parsed_as_written() {
-    let dynamics = parse_dynamics(PLANE_CASE);
+    let dynamics = parse_solid_run(PLANE_CASE);
     assert_eq!(dynamics.grid.axis_bounds(0), [-5.0, 5.0]);
     assert_eq!((dynamics.grid.cell_count(), dynamics.time.courant_number), (200, 0.9));
     assert_eq!(dynamics.scheme.reconstruction.name(), "godunov");
@@ -96,7 +96,8 @@ fn regions_inherit_missing_parameters() {
     };
     assert_eq!(modulus(&regions[0].material), [2e9, 3e9]);
     assert_eq!(modulus(&regions[1].material), [2e9, 1e9]);
-    let sets: Vec<Option<Yield>> = regions.iter().map(|region| region.material.yield_set).collect();
+    let sets: Vec<Option<YieldSetKind>> =
+        regions.iter().map(|region| region.material.yield_set).collect();
     assert_eq!(sets, [Some(registry::COSSERAT_MISES), None, Some(registry::VON_MISES)]);
     assert_eq!(regions[0].material.numbers.yield_constants, case.material.numbers.yield_constants);
     let other = &regions[2].material.numbers.yield_constants;
@@ -109,7 +110,7 @@ fn regions_inherit_missing_parameters() {
         "model = { kind = 'reduced-cosserat', lambda = 1, mu = 1, alpha = 1, density = 1, \
          inertia = 1 }",
     );
-    let other = &parse_dynamics(&text).regions[1].material;
+    let other = &parse_solid_run(&text).regions[1].material;
     assert_eq!(other.kind, ModelKind::Solid(registry::REDUCED_COSSERAT));
     assert_eq!(other.yield_set, Some(registry::COSSERAT_MISES));
     assert_eq!((other.numbers.dimensions, other.numbers.model_constants.value("beta")), (2, None));

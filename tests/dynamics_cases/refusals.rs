@@ -17,14 +17,14 @@ fn model_errors_name_the_line_of_the_region() {
     let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";
     let error = located(&text, &[]);
     assert!(error.starts_with(start), "{error}");
-    // An error of an inherited key names its own line.
+    // The error of an inherited key names the line of that key.
     let error = located(&replace_first(PLANE_CASE, "alpha = 5e8", "alpha = -5"), &[]);
     assert!(error.starts_with("folder/x.toml:6: model.alpha: found -5"), "{error}");
     let error = located(PLANE_CASE, &["region[0].model.mu=-1"]);
     let start = "--set region[0].model.mu=-1: region[0].model.mu: found -1";
     assert!(error.starts_with(start), "{error}");
     let case = parse_case(PLANE_CASE).unwrap();
-    let error = case.solid_run.unwrap().error_at("load[1].at", "too near", "move it").to_string();
+    let error = case.solid_run.unwrap().key_error("load[1].at", "too near", "move it").to_string();
     assert_eq!(error, "folder/x.toml:62: load[1].at: too near; move it");
 }
 

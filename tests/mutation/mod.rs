@@ -71,18 +71,18 @@ const INSERTED_STRINGS: &[&str] = &[
     "a.b.c = 1\n",
 ];
 
-/// Uniform index below `count`; 0 for `count` = 0.
+/// Returns a uniformly distributed index below `count`; 0 for `count` = 0.
 fn choose_index(random: &mut RandomNumbers, count: usize) -> usize {
     (random.next_bits() % count.max(1) as u64) as usize
 }
 
-/// Random item of a list; an empty string for an empty list.
+/// Returns a random item of a list; an empty string for an empty list.
 fn choose_string(random: &mut RandomNumbers, items: &[&'static str]) -> &'static str {
     items.get(choose_index(random, items.len())).copied().unwrap_or_default()
 }
 
-/// Endless sequence of mutants of the bundled cases and of the templates of `wellposed new`, with the grids of maps
-/// reduced to a few points.
+/// Generates an endless sequence of mutants of the bundled cases and of the templates of `wellposed new`, with the
+/// grids of maps reduced to a few points.
 pub fn generate_mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     let originals = create_original_cases();
     let mut random = RandomNumbers::with_salt(0, seed);
@@ -101,7 +101,7 @@ pub fn generate_mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     })
 }
 
-/// Cases before mutation: each key is on its own line, and maps have three or four points along each axis.
+/// Creates the cases to be mutated: each key is on its own line, and maps have three or four points along each axis.
 fn create_original_cases() -> Vec<String> {
     let templates: Vec<String> = wellposed::case::MediumKind::all_media()
         .map(wellposed::cli::new::generate_state_template)
@@ -109,7 +109,7 @@ fn create_original_cases() -> Vec<String> {
     let bundled = CASES.iter().map(|(_, text)| (*text).to_owned());
     let originals = bundled.chain(templates.clone()).map(|text| shrink_map_grid(&text));
     let originals = originals.collect::<Vec<_>>();
-    // With the optional keys uncommented, so that they are mutated as well.
+    // Optional keys are uncommented, so that they are mutated as well.
     let uncommented = templates.iter().map(|text| shrink_map_grid(&uncomment_optional_keys(text)));
     originals.into_iter().chain(uncommented).collect()
 }
@@ -125,7 +125,7 @@ pub fn uncomment_optional_keys(text: &str) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Case text whose map has a small grid and its axes written as sections with one key per line.
+/// Returns the case text with a small map grid, and with the axes of the map written as sections with one key per line.
 pub fn shrink_map_grid(text: &str) -> String {
     let mut lines = Vec::new();
     for line in text.lines() {
@@ -144,8 +144,8 @@ pub fn shrink_map_grid(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether the map of a mutant has at most 100 points, as larger ones would take too long; true also without a map and
-/// for an invalid case.
+/// Returns whether the map of a mutant has at most 100 points, since larger maps would take too long; true also without
+/// a map and for an invalid case.
 fn has_small_grid(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     match Case::parse(&text, "mutant.toml", &[]).map(|case| case.map) {

@@ -1,10 +1,10 @@
-//! Yield sets bounded by half-spaces: pairs of a condition with the normal n and its strength k, n·σ ≤ k.
+//! Yield sets bounded by half-spaces n·σ ≤ k, each given as a condition with its normal n and its strength k.
 
 use models::solid::stress::Stress;
 use models::yield_set::parameters::{ActiveCondition, contract};
 use models::yield_set::{RayStartError, linear_ray_exit};
 
-/// Conditions with n·σ ≥ k (1 − `tolerance`).
+/// Returns the active conditions, i.e. those with n·σ ≥ k (1 − `tolerance`).
 pub fn active_conditions(
     half_spaces: &[(ActiveCondition, f64)],
     stress: &Stress,
@@ -16,7 +16,7 @@ pub fn active_conditions(
     half_spaces.iter().filter(is_active).map(|(condition, _)| *condition).collect()
 }
 
-/// Smallest parameter t at which `start` + t `direction` leaves a half-space; infinity if it leaves none.
+/// Returns the smallest parameter t at which `start` + t `direction` leaves a half-space; infinity if it leaves none.
 ///
 /// # Errors
 /// `start` is not in the interior of the set.

@@ -1,4 +1,4 @@
-//! Helpers that run the program: folders, arguments, exit codes.
+//! Helpers that run the program in test folders and read its result files.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use std::collections::BTreeMap;
@@ -8,11 +8,15 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use testkit::random::RandomNumbers;
 
-/// Path of the program.
+/// Path of the program under test.
 pub const PROGRAM_PATH: &str = env!("CARGO_BIN_EXE_wellposed");
 
 /// Time-domain case of a yielding solid with receivers and snapshots; it runs for about a second.
 pub const SOLID_CASE: &str = include_str!("../data/program-solid.toml");
+
+/// Time-domain case of a blocky medium with breaking and saturated joints, receivers and snapshots; it runs for about a
+/// second.
+pub const JOINT_CASE: &str = include_str!("../data/program-joints.toml");
 
 /// Arguments that run the case in `case.toml` with a checkpoint after every batch of steps.
 pub const RUN_ARGUMENTS: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
@@ -64,7 +68,7 @@ pub fn run_with_exit_code(code: i32, folder: &Path, arguments: &str) -> (String,
     (stdout, stderr)
 }
 
-/// Names of the entries of a folder, sorted; empty if there is no folder.
+/// Lists the names of the entries of a folder, sorted; empty if there is no folder.
 pub fn list_entries(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let mut names: Vec<String> =

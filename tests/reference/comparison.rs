@@ -6,16 +6,16 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Position of the compared receivers.
+/// Position of the receivers whose records are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReceiverPlacement {
-    /// The given point.
+    /// The given point, between cell centres.
     Point,
     /// Centre of the cell that contains the point.
     CellCentre,
 }
 
-/// Solver settings of the problems.
+/// Solver settings of the reference problems.
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceSettings<'a> {
     pub program: &'a Path,
@@ -33,7 +33,7 @@ pub struct ReferenceSettings<'a> {
 }
 
 impl<'a> ReferenceSettings<'a> {
-    /// Settings with all defaults.
+    /// Creates settings with all defaults.
     pub fn new(program: &'a Path, cells_per_wavelength: f64) -> Self {
         Self {
             program,
@@ -147,11 +147,11 @@ pub fn format_moduli(solid: &IsotropicSolid, separator: &str) -> String {
     format!("lambda = {lambda}{separator}mu = {mu}{separator}density = {density}")
 }
 
-/// Receiver of a problem.
+/// Receiver of a reference problem.
 #[derive(Clone, Debug)]
 pub struct ReferenceReceiver {
     pub name: &'static str,
-    /// Coordinates, m, upwards last.
+    /// Coordinates of the receiver, m; the last one is upwards.
     pub position: Vec<f64>,
     /// Distance from the source (oblique pulses: from the interface), in wavelengths of the problem.
     pub distance: f64,
@@ -212,7 +212,11 @@ pub fn run_and_compare(
                 let name = format!("{}.{}", receiver.name, axes.velocity_name(coordinate));
                 let error: RelativeError =
                     compute_relative_error(&records[&name][..count], exact_velocities);
-                rows.push(ComponentError { name, distance: receiver.distance, error });
+                rows.push(ComponentError {
+                    name,
+                    distance: receiver.distance,
+                    relative_error: error,
+                });
             }
         }
     }

@@ -81,7 +81,7 @@ pub fn pekeris_displacement(
             / 32.0
     };
     let rate = |tau: f64| slowness * ricker.derivative_at(t - slowness * tau, 1);
-    // Midpoint rule.
+    // The integral is computed by the midpoint rule.
     let integral = |from: f64, to: f64, value: &dyn Fn(f64) -> f64| {
         let count = 4000;
         let step = (to - from) / f64::from(count);

@@ -17,7 +17,7 @@ pub struct InterfaceWave {
     pub direction: [f64; 2],
     /// Polarisation a: n for P; n rotated by 90° anticlockwise for S.
     pub polarisation: [f64; 2],
-    /// Speed c, m/s.
+    /// Propagation speed c of the wave, m/s.
     pub speed: f64,
     /// Amplitude relative to that of the incident wave.
     pub amplitude: f64,

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 /// cases.
 #[derive(Clone, Copy, Debug)]
 pub struct Ricker {
-    /// Peak frequency, Hz.
+    /// Peak frequency of the spectrum, Hz.
     pub frequency: f64,
 }
 
@@ -50,7 +50,7 @@ impl Ricker {
     }
 }
 
-/// Isotropic elastic solid.
+/// Isotropic elastic solid of a reference problem.
 #[derive(Clone, Copy, Debug)]
 pub struct IsotropicSolid {
     /// First Lamé modulus, Pa.
@@ -65,7 +65,7 @@ pub struct IsotropicSolid {
 pub const REFERENCE_SOLID: IsotropicSolid =
     IsotropicSolid { lambda: 8e7, mu: 8e7, density: 2000.0 };
 
-/// Time function of all sources.
+/// Time function of the sources of all reference problems.
 pub const RICKER: Ricker = Ricker { frequency: 20.0 };
 
 impl IsotropicSolid {
@@ -98,8 +98,8 @@ impl IsotropicSolid {
 /// Error of a record relative to the exact record, in the L2 norm and in the maximum norm.
 #[derive(Clone, Copy, Debug)]
 pub struct RelativeError {
-    pub l2: f64,
-    pub max: f64,
+    pub l2_error: f64,
+    pub max_error: f64,
 }
 
 /// Relative error of a record against the exact record.
@@ -108,7 +108,10 @@ pub fn compute_relative_error(record: &[f64], exact: &[f64]) -> RelativeError {
     let difference: Vec<f64> = record.iter().zip(exact).map(|(a, b)| a - b).collect();
     let l2 = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
     let max = |values: &[f64]| values.iter().fold(0f64, |max, v| max.max(v.abs()));
-    RelativeError { l2: l2(&difference) / l2(exact), max: max(&difference) / max(exact) }
+    RelativeError {
+        l2_error: l2(&difference) / l2(exact),
+        max_error: max(&difference) / max(exact),
+    }
 }
 
 /// Error of one velocity component at a receiver.
@@ -118,10 +121,10 @@ pub struct ComponentError {
     pub name: String,
     /// Distance of the receiver from the source (oblique pulses: from the interface), in wavelengths of the problem.
     pub distance: f64,
-    pub error: RelativeError,
+    pub relative_error: RelativeError,
 }
 
-/// Problem with an exact solution.
+/// Reference problem: a simulation with a known exact solution.
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceProblem {
     pub name: &'static str,
@@ -130,7 +133,7 @@ pub struct ReferenceProblem {
     pub compute_errors: fn(&comparison::ReferenceSettings) -> Vec<ComponentError>,
 }
 
-/// All problems.
+/// All reference problems.
 pub const REFERENCE_PROBLEMS: [ReferenceProblem; 8] = [
     ReferenceProblem {
         name: "lamb-vertical",

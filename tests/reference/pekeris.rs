@@ -49,7 +49,7 @@ pub fn compute_errors(settings: &ReferenceSettings) -> Vec<ComponentError> {
         let distance = at.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
         let mut receiver =
             ReferenceReceiver::new(name, &at, distance, wavelength, (settings, &[0.0; 3]));
-        // A receiver beyond a plane of symmetry is replaced by its mirror image.
+        // A receiver outside the simulated quarter is replaced by its mirror image.
         receiver.position[..2].iter_mut().for_each(|x| *x = x.abs());
         receiver
     });

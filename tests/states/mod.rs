@@ -16,7 +16,7 @@ fn generate_pair(random: &mut RandomNumbers, size: f64) -> [f64; 2] {
     [0; 2].map(|_| size * random.signed_log_uniform(1e-3, 1e3))
 }
 
-/// Range of the parameters of a state.
+/// Range from which the parameters of a random state are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRange {
     /// Sands, powders and pellets: friction angle φ from 5° to 60°.
@@ -25,7 +25,7 @@ pub enum ParameterRange {
     FullRange,
 }
 
-/// Random constants and state of a model, with or without gradients and accelerations.
+/// Generates random constants and a state of a model, with or without gradients and accelerations.
 pub fn generate_state(
     random: &mut RandomNumbers,
     kind: FlowKind,
@@ -102,7 +102,7 @@ pub fn generate_state(
     (parameters, state)
 }
 
-/// Model with the given parameters and its background flow.
+/// Builds the model with the given parameters, and its background flow.
 pub fn build_flow(
     kind: FlowKind,
     parameters: &FlowParameters,

@@ -1,4 +1,4 @@
-//! Helpers of tests that parse and run cases within their process and read the result files.
+//! Helpers that parse and run cases within the test process and read the result files.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use files::npz::{self, ArrayValues};
@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use wellposed::case::Case;
-use wellposed::cli::{self, CheckpointSettings, Error, Options};
+use wellposed::cli::{self, CheckpointSettings, CommandError, Options};
 
 /// Settings of a run without periodic checkpoints.
 pub const NO_CHECKPOINTS: CheckpointSettings = CheckpointSettings { interval: 1e9 };
@@ -29,7 +29,7 @@ inertia = 2700
 /// Columns of a table in the order of the file: name and values.
 pub type Columns = Vec<(String, Vec<f64>)>;
 
-/// Path of a bundled case; `name` is relative to the folder of cases.
+/// Returns the path of a bundled case; `name` is relative to the folder of cases.
 pub fn bundled_case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)
 }
@@ -51,7 +51,7 @@ pub fn replace_first(text: &str, old: &str, new: &str) -> String {
     text.replacen(old, new, 1)
 }
 
-/// Sections of a case that make boundaries periodic.
+/// Formats the sections of a case that make boundaries periodic.
 pub fn format_periodic_boundaries(boundaries: &[&str]) -> String {
     let section =
         |boundary: &&str| format!("[[boundary]]\nside = '{boundary}'\nkind = 'periodic'\n");
@@ -71,13 +71,13 @@ pub fn create_run_options(folder: &Path, case: &str) -> Options {
 }
 
 /// Runs a case without periodic checkpoints and returns the printed text.
-pub fn run_case(options: &Options) -> Result<String, Error> {
+pub fn run_case(options: &Options) -> Result<String, CommandError> {
     let mut stdout = Vec::new();
     cli::run_simulation(options, NO_CHECKPOINTS, &mut stdout)?;
     Ok(String::from_utf8(stdout).expect("text"))
 }
 
-/// Reads the columns of a CSV file.
+/// Reads the columns of a CSV file, by name.
 pub fn read_columns(path: &Path) -> Columns {
     let text = fs::read_to_string(path).expect("a table");
     let mut lines = text.lines();
@@ -91,7 +91,7 @@ pub fn read_columns(path: &Path) -> Columns {
     columns
 }
 
-/// Values of a column.
+/// Returns the values of the column `name`.
 pub fn column_values<'a>(columns: &'a [(String, Vec<f64>)], name: &str) -> &'a [f64] {
     &columns.iter().find(|column| column.0 == name).expect("a column").1
 }

@@ -15,7 +15,7 @@
 //!
 //! determines A : B. Variables of the layer at the beginning of the sweep are those at its middle times 2/(1 + g).
 
-use super::grid::{BlockGrid, CellMode, FIELDS, FaceMode, WaveState};
+use super::grid::{BlockGrid, CellMode, FaceMode, PLANE_FIELDS, WaveState};
 use super::layer::{LinearComponent, LinearLayer};
 use super::{BlochResult, BlockWave, SolverBlocks};
 use crate::MeasurementError;
@@ -36,20 +36,21 @@ use models::solid::waves::SolidField;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// Blocks of the periodic grid: phase shifts κh are multiples of 2π/8.
+/// Number of blocks of the periodic grid: phase shifts κh are multiples of 2π/8.
 pub(super) const CHAIN_BLOCKS: usize = 8;
-/// Cells of a block on both grids.
-const CHAIN_CELLS: [usize; 2] = [8, 16];
-/// Smallest number of samples in a period.
-const SAMPLES: usize = 12;
-/// Bound on the rounding error of a step, in units of ε times the norm of the state; as for plane waves.
+/// Numbers of cells of a block along the axis of propagation, by grid.
+const CELLS_PER_BLOCK: [usize; 2] = [8, 16];
+/// Smallest number of measured amplitudes in a period of the wave.
+const MIN_SAMPLES_PER_PERIOD: usize = 12;
+/// Bound on the rounding error of a time step, in units of ε times the norm of the state; as for plane waves.
 const ROUNDINGS_PER_STEP: f64 = 64.0;
 /// Largest decay of the amplitude during a measurement, as the exponent γt.
-const MAX_DECAY: f64 = 2.0;
-/// Ratio of the speed of the other wave, which does not take part, to that of the wave, where it would limit the step.
-const OTHER_SPEED: f64 = 0.5;
+const MAX_DECAY_EXPONENT: f64 = 2.0;
+/// Ratio of longitudinal to shear speed in the solver for transverse waves. Longitudinal waves are absent, and at their
+/// true speed they would limit the time step.
+const LONGITUDINAL_SPEED_RATIO: f64 = 0.5;
 
-/// Waves of one polarisation across layers normal to an axis.
+/// Comparison of waves of one polarisation across layers normal to an axis.
 pub(super) struct ChainExperiment<'a> {
     pub axis: usize,
     pub polarisation: ChainPolarisation,
@@ -62,40 +63,40 @@ pub(super) struct ChainExperiment<'a> {
     pub block: usize,
 }
 
-/// Mode of a block and of the layer before it.
+/// Fields of a mode in a block and in the layer before it.
 struct ChainMode {
-    /// Velocity and stress of each cell.
+    /// Velocity (m/s) and stress (Pa) of each cell.
     cells: Vec<[Complex64; 2]>,
     face: FaceMode,
 }
 
 impl ChainExperiment<'_> {
-    fn component(&self) -> Option<LinearComponent> {
+    fn layer_component(&self) -> Option<LinearComponent> {
         let index = usize::from(self.polarisation == ChainPolarisation::Transverse);
         self.layers[self.axis].map(|layer| layer.components[index])
     }
 
-    fn chain(&self) -> Result<Chain, BlochError> {
+    fn build_chain(&self) -> Result<Chain, BlochError> {
         let block = ChainElement::from_block(&self.material, self.side, self.polarisation);
         let layer = self
-            .component()
+            .layer_component()
             .map(|LinearComponent { mass, compliance }| ChainElement::Layer { mass, compliance });
         Chain::new([block].into_iter().chain(layer).collect())
     }
 
-    fn speed(&self) -> f64 {
+    fn wave_speed(&self) -> f64 {
         match self.polarisation {
             ChainPolarisation::Longitudinal => self.material.longitudinal_speed,
             ChainPolarisation::Transverse => self.material.shear_speed,
         }
     }
 
-    /// Compares a branch at κh = 2π `turns`/[`CHAIN_BLOCKS`].
-    pub(super) fn compare(&self, branch: usize, turns: usize) -> BlochResult {
-        let shift = TAU * turns as f64 / CHAIN_BLOCKS as f64;
-        let predicted = self.chain().and_then(|chain| chain.damped_frequency(branch, shift));
+    /// Compares predicted and measured rate of a branch at the phase shift κh = 2π `phase_index`/[`CHAIN_BLOCKS`].
+    pub(super) fn compare_branch(&self, branch: usize, phase_index: usize) -> BlochResult {
+        let shift = TAU * phase_index as f64 / CHAIN_BLOCKS as f64;
+        let predicted = self.build_chain().and_then(|chain| chain.damped_frequency(branch, shift));
         let measurement = predicted.clone().map_err(MeasurementError::from).and_then(|_| {
-            let grids: Result<Vec<GridResult>, MeasurementError> = CHAIN_CELLS
+            let grids: Result<Vec<GridResult>, MeasurementError> = CELLS_PER_BLOCK
                 .iter()
                 .map(|&cells| self.compare_on_grid(branch, shift, cells))
                 .collect();
@@ -120,20 +121,21 @@ impl ChainExperiment<'_> {
         shift: f64,
         cells: usize,
     ) -> Result<GridResult, MeasurementError> {
-        let component = self.component().unwrap_or(LinearComponent::WELDED);
-        let problem = self.problem(cells)?;
+        let component = self.layer_component().unwrap_or(LinearComponent::WELDED);
+        let problem = self.build_problem(cells)?;
         let sweep = 0.5 * problem.step;
-        let chain = self.chain()?.with_time_step(sweep)?;
+        let chain = self.build_chain()?.with_time_step(sweep)?;
         let frequency = chain.damped_frequency(branch, shift)?;
-        let mode = self.mode(&component, frequency, shift, [cells as f64, sweep]);
-        let wave = self.wave_state(&problem, &mode, shift, cells);
+        let mode = self.solve_mode(&component, frequency, shift, [cells as f64, sweep]);
+        let wave = self.build_wave_state(&problem, &mode, shift, cells);
         // A period, or less if the wave decays.
-        let duration = (TAU / frequency.re).min(MAX_DECAY / frequency.im.max(f64::MIN_POSITIVE));
+        let duration =
+            (TAU / frequency.re).min(MAX_DECAY_EXPONENT / frequency.im.max(f64::MIN_POSITIVE));
         let steps = (duration / problem.step).ceil().max(4.0);
-        let per_sample = (steps / SAMPLES as f64).floor().max(1.0) as usize;
+        let per_sample = (steps / MIN_SAMPLES_PER_PERIOD as f64).floor().max(1.0) as usize;
         let samples = (steps / per_sample as f64).ceil() as usize;
         let measured: Vec<Complex64> = wave
-            .measure(&problem, samples, per_sample)?
+            .measure_amplitudes(&problem, samples, per_sample)?
             .into_iter()
             .map(|amplitude| amplitude.conj())
             .collect();
@@ -146,25 +148,26 @@ impl ChainExperiment<'_> {
             cells,
             measured_rate: fit_rate(&times, &measured),
             expected_rate: to_rate(frequency),
-            tolerance: max_rate_error(rounding, last) + self.root_error(&chain, frequency),
+            tolerance: max_rate_error(rounding, last) + self.max_root_error(&chain, frequency),
         })
     }
 
-    /// Bound on the rounding error of a root of cos κh = Δ(ω): the terms of Δ have sizes up to
+    /// Bound on the rounding error of a root ω of cos κh = Δ(ω), rad/s: the terms of Δ have sizes up to
     /// 1 + ½(z/z′ + z′/z), z′ = √(m/C), and their error is divided by Δ′.
-    fn root_error(&self, chain: &Chain, frequency: Complex64) -> f64 {
+    fn max_root_error(&self, chain: &Chain, frequency: Complex64) -> f64 {
         let [_, slope] = chain.half_trace(frequency);
-        let contrast = self.component().map_or(1.0, |LinearComponent { mass, compliance }| {
-            let impedance = (mass.mass / compliance.relaxed()).sqrt();
-            let ratio = self.material.density * self.speed() / impedance;
-            0.5 * (ratio + 1.0 / ratio)
-        });
-        ROUNDINGS_PER_STEP * f64::EPSILON * (1.0 + contrast) / slope.norm()
+        let impedance_contrast =
+            self.layer_component().map_or(1.0, |LinearComponent { mass, compliance }| {
+                let impedance = (mass.mass / compliance.relaxed()).sqrt();
+                let ratio = self.material.density * self.wave_speed() / impedance;
+                0.5 * (ratio + 1.0 / ratio)
+            });
+        ROUNDINGS_PER_STEP * f64::EPSILON * (1.0 + impedance_contrast) / slope.norm()
     }
 
-    /// The solver's medium; for transverse waves with a lower longitudinal modulus, which they do not feel, so that they
-    /// run at Courant number 1.
-    fn medium(&self) -> Medium {
+    /// Builds the medium of the solver; for transverse waves with a smaller longitudinal modulus, which does not affect
+    /// them, so that their Courant number is 1.
+    fn build_medium(&self) -> Medium {
         let mut medium = self.solver.media[self.block].clone();
         if self.polarisation == ChainPolarisation::Transverse {
             for (axis, pairs) in medium.pairs.iter_mut().enumerate() {
@@ -172,49 +175,55 @@ impl ChainExperiment<'_> {
                 let shear = pairs.iter().find(|pair| !is_normal(pair.velocity));
                 let modulus = shear.map_or(0.0, |pair| pair.modulus);
                 for pair in pairs.iter_mut().filter(|pair| is_normal(pair.velocity)) {
-                    pair.modulus = OTHER_SPEED * OTHER_SPEED * modulus;
+                    pair.modulus = LONGITUDINAL_SPEED_RATIO * LONGITUDINAL_SPEED_RATIO * modulus;
                 }
             }
         }
         medium
     }
 
-    fn problem(&self, cells: usize) -> Result<Problem<2>, MeasurementError> {
-        let grid = self.grid(cells);
+    fn build_problem(&self, cells: usize) -> Result<Problem<2>, MeasurementError> {
+        let grid = self.build_grid(cells);
         let edge = self.side / cells as f64;
-        let medium = self.medium();
+        let medium = self.build_medium();
         let step = 2.0 * edge / medium.max_speed();
-        // Nothing varies along the other axis.
+        // The wave is uniform along the transverse axis, so layers across it have no effect.
         let mut laws = [None; 2];
         laws[self.axis] = self.solver.laws[self.axis];
         let mut problem = Problem::new(
-            Grid { cells: grid.cells(), spacing: [edge; 2] },
+            Grid { cells: grid.cells_per_axis(), spacing: [edge; 2] },
             vec![medium],
-            vec![0; grid.count()],
+            vec![0; grid.cell_count()],
             std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
             step,
             Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping),
         );
-        problem.interlayers = grid.interlayers(&laws);
+        problem.interlayers = grid.build_interlayers(&laws);
         Ok(problem)
     }
 
-    fn grid(&self, cells: usize) -> BlockGrid {
-        let along = |own: usize, other: usize| {
+    fn build_grid(&self, cells: usize) -> BlockGrid {
+        let by_axis = |own: usize, other: usize| {
             std::array::from_fn(|axis| if axis == self.axis { own } else { other })
         };
-        BlockGrid { block_cells: along(cells, 1), blocks: along(CHAIN_BLOCKS, 1), row_shift: 0 }
+        BlockGrid {
+            cells_per_block: by_axis(cells, 1),
+            block_counts: by_axis(CHAIN_BLOCKS, 1),
+            row_shift: 0,
+        }
     }
 
-    fn mode(
+    /// Solves for A : B, and evaluates the mode of frequency ω (rad/s) and phase shift κh; the last argument is the
+    /// number of cells of a block and the time τ of a sweep, s.
+    fn solve_mode(
         &self,
         component: &LinearComponent,
         frequency: Complex64,
         shift: f64,
         [cells, sweep]: [f64; 2],
     ) -> ChainMode {
-        let z = self.material.density * self.speed();
-        let power = |exponent: f64| complex_exp(Complex64::I * frequency * (sweep * exponent));
+        let z = self.material.density * self.wave_speed();
+        let power = |exponent: f64| exponential(Complex64::I * frequency * (sweep * exponent));
         let (g, q) = (power(1.0), cr_cis(-shift));
         let [one, two] = [Complex64::ONE, Complex64::from(2.0)];
         // iω̃ = (2/τ)(g − 1)/(g + 1).
@@ -222,7 +231,7 @@ impl ChainExperiment<'_> {
         let law = component.compliance;
         let delay = one / (one + rate * law.retardation_time);
         let compliance = delay * law.delayed + law.elastic;
-        // Coefficients of A and B in the states of both sides.
+        // Coefficients of A and B in the states of both faces of the layer.
         let [before, after] = [[power(1.0 - cells), power(cells)], [q * g, q]];
         let velocity = |own: [Complex64; 2]| own.map(|value| value / (2.0 * z));
         let stress = |own: [Complex64; 2]| [-own[0] * 0.5, own[1] * 0.5];
@@ -248,50 +257,51 @@ impl ChainExperiment<'_> {
             stress: value(layer_stress),
             delayed_stress: value(layer_stress) * delay,
         };
-        // The face is the one after the block; that before it has the amplitude of the period before.
+        // The face computed here is after the block; the face before it has the amplitude of the previous period.
         let cell = |index: usize| {
             let (right, left) = (a * power(-(index as f64)), b * power(index as f64));
             [(right + left) / (2.0 * z), (left - right) * 0.5]
         };
         ChainMode {
             cells: (0..cells as usize).map(cell).collect(),
-            face: face.scaled(begin * q.conj()),
+            face: face.scale(begin * q.conj()),
         }
     }
 
-    fn wave_state(
+    fn build_wave_state(
         &self,
         problem: &Problem<2>,
         mode: &ChainMode,
         shift: f64,
         cells: usize,
     ) -> WaveState {
-        let grid = self.grid(cells);
+        let grid = self.build_grid(cells);
         let (axis, transverse) =
             (self.axis, usize::from(self.polarisation == ChainPolarisation::Transverse));
         let velocity = SolidField::Velocity(if transverse == 0 { axis } else { 1 - axis });
         let stress =
             if transverse == 0 { SolidField::Stress(axis, axis) } else { SolidField::Stress(0, 1) };
-        let places = [velocity, stress].map(|field| FIELDS.iter().position(|own| *own == field));
+        let field_indices =
+            [velocity, stress].map(|field| PLANE_FIELDS.iter().position(|own| *own == field));
         let density = self.material.density;
-        let weights = [density, 1.0 / (density * self.speed() * self.speed())];
+        let weights = [density, 1.0 / (density * self.wave_speed() * self.wave_speed())];
         let phase = |block: i64| cr_cis(-shift * block as f64);
         let cell = |index: usize| {
-            let place = grid.place(index);
+            let place = grid.locate_cell(index);
             let factor = phase(place.block[axis]);
             let mut own = CellMode::default();
-            for (field, at) in places.iter().enumerate() {
+            for (field, at) in field_indices.iter().enumerate() {
                 let Some(at) = *at else { continue };
                 let value = mode.cells[place.cell[axis]][field] * factor;
                 own.values[at] = value;
-                own.dual[at] = value * weights[field];
+                own.energy_gradient[at] = value * weights[field];
             }
             own
         };
         let face = |own: &InterlayerFace| {
-            let factor = phase(grid.place(own.cell).block[axis]);
+            let factor = phase(grid.locate_cell(own.cell).block[axis]);
             let mut modes = [FaceMode::default(); 2];
-            modes[transverse] = mode.face.scaled(factor);
+            modes[transverse] = mode.face.scale(factor);
             modes
         };
         WaveState::new(problem, &self.layers, cell, face)
@@ -305,17 +315,17 @@ impl LinearComponent {
     };
 }
 
-/// e^x, rounded correctly in its factors.
-fn complex_exp(x: Complex64) -> Complex64 {
+/// Complex exponential e^x, from correctly rounded real functions.
+fn exponential(x: Complex64) -> Complex64 {
     cr_cis(x.im) * x.re.cr_exp()
 }
 
-/// Rate of e^{iωt} as that of e^{(γ − i Re ω)t}, by complex conjugation.
+/// Converts the complex frequency ω of e^{iωt} to a rate: Re ω and the growth rate γ = −Im ω.
 pub(super) fn to_rate(frequency: Complex64) -> Rate {
     Rate { frequency: frequency.re, growth_rate: -frequency.im }
 }
 
-/// Extrapolates rates on several grids, with the bounds on their errors.
+/// Extrapolates rates to zero cell size, with the bound on the error of the limit.
 fn extrapolate_grids(grids: Vec<GridResult>, powers: ErrorExponents) -> Measurement {
     let cells: Vec<usize> = grids.iter().map(|grid| grid.cells).collect();
     let limit = |rate: &dyn Fn(&GridResult) -> Rate| {
@@ -331,12 +341,13 @@ fn extrapolate_grids(grids: Vec<GridResult>, powers: ErrorExponents) -> Measurem
     Measurement { grids, limit }
 }
 
-/// Phase shift of the lattice nearest to `shift`, as a multiple of 2π/[`CHAIN_BLOCKS`].
-pub(super) fn turns_of_phase_shift(shift: f64) -> usize {
+/// Index n ≥ 1 of the phase shift 2πn/[`CHAIN_BLOCKS`] nearest to `shift`, rad; at most half a turn.
+pub(super) fn nearest_phase_index(shift: f64) -> usize {
     (shift * CHAIN_BLOCKS as f64 / TAU).round().clamp(1.0, CHAIN_BLOCKS as f64 * 0.5) as usize
 }
 
-/// Largest number of branches of a chain: higher ones turn by more than half a turn in a step on the coarsest grid.
+/// Largest number of branches of a chain: on the coarsest grid the phase of higher ones advances by more than π in a
+/// step.
 pub(super) const MAX_BRANCHES: usize = 2;
-/// Phase shifts of the default waves.
+/// Phase shifts κh of the compared waves, rad, in the order of selection.
 pub(super) const PHASE_SHIFTS: [f64; 4] = [0.5 * PI, 0.25 * PI, 0.75 * PI, PI];

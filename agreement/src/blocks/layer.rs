@@ -11,48 +11,50 @@ use models::interface::parameters::{
 /// Layer between blocks: material, and how its mass is distributed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
-    /// Constants.
+    /// Kind of the layer with its constants.
     pub material: LayerMaterial,
-    /// Distribution of the mass.
+    /// Distribution of the mass of the layer: box scheme or lumped.
     pub mass: MassDistribution,
 }
 
 /// Linear law of one traction component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearComponent {
-    /// Mass.
+    /// Mass per area, kg/m².
     pub mass: LayerMass<f64>,
-    /// Compliance of the instantaneous and of the delayed deformation.
+    /// Instantaneous and delayed compliance, m/Pa.
     pub compliance: LayerCompliance,
 }
 
-/// Bounds of the linear range of a layer; `None` where there is none.
+/// Linear range of the tractions of a layer; a bound is `None` if the traction is not bounded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LinearRange {
-    /// Strength τ, Pa, and friction k of |S_t| + k|S_n| < τ.
-    pub shear: Option<[f64; 2]>,
-    /// Largest |S_n|, Pa: tensile strength, or traction at which pores collapse.
-    pub normal: Option<f64>,
+    /// Shear strength τ, Pa, and friction coefficient k: the range is |S_t| + k|S_n| < τ.
+    pub shear_bounds: Option<[f64; 2]>,
+    /// Largest normal traction |S_n|, Pa: tensile strength, or traction at which pores collapse.
+    pub max_normal_traction: Option<f64>,
 }
 
 /// Layer linearised about the initial stress-free state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearLayer {
-    /// Normal and tangential component.
+    /// Linear laws of the normal and of the tangential traction component.
     pub components: [LinearComponent; 2],
-    pub(super) range: LinearRange,
-    /// Strain across the layer per normal traction, 1/Pa, of layers whose history contains the strain.
+    pub(super) linear_range: LinearRange,
+    /// Strain across the layer per normal traction, 1/Pa, of porous layers, whose history contains the strain.
     pub(super) strain_per_stress: Option<f64>,
 }
 
-/// Reason why a layer of a kind without linear state is not measured.
-const CRACKED: &str = "cracked layers: their initial state is the corner between open and closed";
-/// Same for saturated layers.
-const SATURATED: &str = "saturated layers: the analysis has no fluid along layers";
-/// Same for layers whose linear range is empty.
-const WITHOUT_STRENGTH: &str = "layers without strength: they yield at any stress";
-/// Same for collapsed pores.
-const WITHOUT_PORES: &str = "porous layers of porosity 0: their initial state is a corner";
+/// Reason why cracked layers are not compared.
+const CRACKED_REJECTION: &str =
+    "cracked layers: their initial state is the corner between open and closed";
+/// Reason why fluid-saturated layers are not compared.
+const SATURATED_REJECTION: &str = "saturated layers: the analysis has no fluid along layers";
+/// Reason why layers without strength are not compared.
+const ZERO_STRENGTH_REJECTION: &str = "layers without strength: they yield at any stress";
+/// Reason why porous layers of porosity 0 are not compared.
+const ZERO_POROSITY_REJECTION: &str =
+    "porous layers of porosity 0: their initial state is a corner";
 
 impl Layer {
     /// Linearises the layer about its initial stress-free state: elastic and viscous layers, plastic and breaking ones
@@ -67,36 +69,36 @@ impl Layer {
         let mut open_stiffness = None;
         let shear_range = |strength: f64, friction: f64| match strength > 0.0 {
             true => Ok(Some([strength, friction])),
-            false => Err(WITHOUT_STRENGTH),
+            false => Err(ZERO_STRENGTH_REJECTION),
         };
-        let of_plastic = |own: &PlasticConstants| shear_range(own.shear_strength, own.friction);
+        let plastic_range = |own: &PlasticConstants| shear_range(own.shear_strength, own.friction);
         match &self.material {
             LayerMaterial::Elastic(_) => {}
-            LayerMaterial::Plastic(_, plastic) => range.shear = of_plastic(plastic)?,
+            LayerMaterial::Plastic(_, plastic) => range.shear_bounds = plastic_range(plastic)?,
             LayerMaterial::Viscous(_, viscous) => delay = Some(*viscous),
             LayerMaterial::Porous(elastic, PorousConstants { porosity, .. }, tangential) => {
                 if *porosity == 0.0 {
-                    return Err(WITHOUT_PORES);
+                    return Err(ZERO_POROSITY_REJECTION);
                 }
                 let stiffness = elastic.thickness / elastic.normal_compliance();
-                range.normal = Some(stiffness * porosity);
+                range.max_normal_traction = Some(stiffness * porosity);
                 open_stiffness = Some(stiffness);
                 match tangential {
                     TangentialConstants::Elastic => {}
                     TangentialConstants::Viscous(viscous) => delay = Some(*viscous),
                     TangentialConstants::Plastic { shear_strength, .. } => {
-                        range.shear = shear_range(*shear_strength, 0.0)?;
+                        range.shear_bounds = shear_range(*shear_strength, 0.0)?;
                     }
                 }
             }
-            LayerMaterial::Saturated(_) => return Err(SATURATED),
-            LayerMaterial::Cracked(..) => return Err(CRACKED),
+            LayerMaterial::Saturated(_) => return Err(SATURATED_REJECTION),
+            LayerMaterial::Cracked(..) => return Err(CRACKED_REJECTION),
             LayerMaterial::Breaking(_, plastic, tensile_strength) => {
                 if *tensile_strength == 0.0 {
-                    return Err(WITHOUT_STRENGTH);
+                    return Err(ZERO_STRENGTH_REJECTION);
                 }
-                range.shear = of_plastic(plastic)?;
-                range.normal = Some(*tensile_strength);
+                range.shear_bounds = plastic_range(plastic)?;
+                range.max_normal_traction = Some(*tensile_strength);
             }
         }
         let (masses, stiffnesses) = (self.material.masses(), self.material.stiffnesses());
@@ -114,28 +116,28 @@ impl Layer {
         }
         Ok(LinearLayer {
             components: [normal, tangential],
-            range,
+            linear_range: range,
             strain_per_stress: open_stiffness.map(|stiffness| 1.0 / stiffness),
         })
     }
 }
 
 impl LinearComponent {
-    /// The component for the analysis of a cell.
+    /// Converts the component for the Galerkin analysis of a period.
     fn to_joint(self) -> JointComponent {
         let LayerCompliance { elastic, delayed, retardation_time } = self.compliance;
         let delay = (delayed > 0.0).then_some(JointDelay { compliance: delayed, retardation_time });
         JointComponent { mass: self.mass, stiffness: 1.0 / elastic, delay }
     }
 
-    /// Whether the component is viscous.
+    /// Whether the component has a delayed compliance.
     pub(super) fn is_viscous(&self) -> bool {
         self.compliance.delayed > 0.0
     }
 }
 
 impl LinearLayer {
-    /// The layer for the analysis of a cell.
+    /// Converts the layer for the Galerkin analysis of a period.
     pub(super) fn to_joint(self) -> Joint {
         let [normal, tangential] = self.components.map(LinearComponent::to_joint);
         Joint { normal, tangential }
@@ -143,10 +145,11 @@ impl LinearLayer {
 }
 
 impl LinearRange {
-    /// Share of the range that the tractions of a wave use.
-    pub(super) fn usage(&self, normal: f64, shear: f64) -> f64 {
-        let of_shear =
-            self.shear.map_or(0.0, |[strength, friction]| (shear + friction * normal) / strength);
-        of_shear.max(self.normal.map_or(0.0, |limit| normal / limit))
+    /// Fraction of the linear range that a normal and a shear traction (Pa) reach.
+    pub(super) fn used_fraction(&self, normal: f64, shear: f64) -> f64 {
+        let of_shear = self
+            .shear_bounds
+            .map_or(0.0, |[strength, friction]| (shear + friction * normal) / strength);
+        of_shear.max(self.max_normal_traction.map_or(0.0, |limit| normal / limit))
     }
 }

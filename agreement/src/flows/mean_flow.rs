@@ -43,7 +43,7 @@ impl MeanFlow {
             _ => AngleLaw::ConstantAngle,
         };
         let mut system = LinearisedSystem::default();
-        model.symbol(&flow, &mut system);
+        model.write_symbol(&flow, &mut system);
         let rotation_ratio = model.flow_rule().rotation_ratio();
         Self { model, state, flow, system, rotation_ratio, angle_law: law }
     }
@@ -99,7 +99,7 @@ impl MeanFlow {
             return None;
         };
         let mut system = LinearisedSystem::default();
-        self.model.symbol(&flow, &mut system);
+        self.model.write_symbol(&flow, &mut system);
         Some(system)
     }
 }

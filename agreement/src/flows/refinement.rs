@@ -111,18 +111,17 @@ impl GridRefinement {
     }
 }
 
-/// Number of increments of the progress of a grid.
+/// Number of progress increments of the comparison on a grid.
 const PROGRESS_STEPS: usize = 1000;
 
-/// Number of increments of the progress until all rates are predicted; the others are proportional to the simulated
-/// time.
+/// Number of progress increments until all rates are predicted; the others are proportional to the simulated time.
 const PREDICTION_STEPS: usize = 100;
 
 /// Rates (1/s) of one Fourier mode, by descending growth.
 type ModeRates = (ModeNumbers, Vec<Complex64>);
 
-/// Predicts and measures the fastest growing mode of a perturbation. Progress counts thousandths; the callback is called
-/// for each predicted mode, and before each evaluation of the right-hand side of the solver.
+/// Predicts and measures the fastest growing mode of a perturbation. Progress counts thousandths; the callback is
+/// called for each predicted mode, and before each evaluation of the right-hand side of the solver.
 ///
 /// # Errors
 /// The solver rejects the flow or stops before the end time; the perturbation has no velocity, or not one value per
@@ -178,7 +177,7 @@ pub fn compare_fastest_mode(
     for time in sample_times(duration).into_iter().skip(1) {
         while solver.time() < time {
             solver.advance_with(time, &mut |time| progress.report(time))?;
-            progress.check()?;
+            progress.ensure_not_cancelled()?;
         }
         measured.push(measure_amplitudes(&solver, *mode));
     }
@@ -202,25 +201,25 @@ struct MeasurementProgress<'a> {
     on_progress: ProgressCallback<'a>,
     /// Duration of the measurement, s.
     duration: f64,
-    done: usize,
+    reported_steps: usize,
     is_cancelled: bool,
 }
 
 impl<'a> MeasurementProgress<'a> {
     fn new(on_progress: ProgressCallback<'a>, duration: f64) -> Self {
-        Self { on_progress, duration, done: PREDICTION_STEPS, is_cancelled: false }
+        Self { on_progress, duration, reported_steps: PREDICTION_STEPS, is_cancelled: false }
     }
 
     /// Reports the simulated time, s; a repeated step does not reduce the progress.
     fn report(&mut self, time: f64) {
         let steps = (PROGRESS_STEPS - PREDICTION_STEPS) as f64 * (time / self.duration).min(1.0);
-        self.done = self.done.max(PREDICTION_STEPS + steps as usize);
+        self.reported_steps = self.reported_steps.max(PREDICTION_STEPS + steps as usize);
         if !self.is_cancelled {
-            self.is_cancelled = (self.on_progress)(self.done, PROGRESS_STEPS).is_break();
+            self.is_cancelled = (self.on_progress)(self.reported_steps, PROGRESS_STEPS).is_break();
         }
     }
 
-    fn check(&self) -> Result<(), AgreementError> {
+    fn ensure_not_cancelled(&self) -> Result<(), AgreementError> {
         if self.is_cancelled { Err(AgreementError::Cancelled) } else { Ok(()) }
     }
 }

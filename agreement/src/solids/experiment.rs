@@ -194,25 +194,27 @@ impl<const D: usize> SolidExperiment<'_, D> {
     fn choose_grid(&self, branch: &PredictedBranch<D>, cells: usize) -> (Grid<D>, f64, usize) {
         let edges = branch.wave_vector.map(|k| 2.0 * PI / (k.abs() * cells as f64));
         let longest = edges.iter().copied().filter(|edge| edge.is_finite()).fold(0.0, f64::max);
-        let along = |axis: usize| edges[axis].is_finite();
+        let is_propagation_axis = |axis: usize| edges[axis].is_finite();
         let grid = Grid {
-            cells: std::array::from_fn(|axis| if along(axis) { cells } else { 1 }),
+            cells: std::array::from_fn(|axis| if is_propagation_axis(axis) { cells } else { 1 }),
             // The solution is constant along axes normal to the wave vector.
-            spacing: std::array::from_fn(|axis| if along(axis) { edges[axis] } else { longest }),
+            spacing: std::array::from_fn(|axis| {
+                if is_propagation_axis(axis) { edges[axis] } else { longest }
+            }),
         };
         let rate = |axis: usize| {
             let speeds = self.medium.pairs[axis].iter().map(|pair| pair.speed());
             speeds.fold(0.0, f64::max) / grid.spacing[axis]
         };
-        let by_waves = 2.0 * self.settings.courant_number / (0..D).map(rate).fold(0.0, f64::max);
+        let wave_steps = 2.0 * self.settings.courant_number / (0..D).map(rate).fold(0.0, f64::max);
         // The limit of the rotation applies to the coarsest grid, which has the longest step.
         let coarsest = self.settings.cells_per_wavelength[0] as f64 / cells as f64;
-        let by_rotation = self.medium.rotation.map_or(f64::INFINITY, |rotation| {
+        let rotation_steps = self.medium.rotation.map_or(f64::INFINITY, |rotation| {
             self.settings.max_rotation / rotation.frequency * coarsest
         });
         let period = 2.0 * PI / branch.predicted_frequency;
         // The number of steps in 1/`cells` of the period is the same on all grids, and so is the Courant number.
-        let per_cell = period / (by_waves.min(by_rotation) * cells as f64) * (1.0 - 1e-12);
+        let per_cell = period / (wave_steps.min(rotation_steps) * cells as f64) * (1.0 - 1e-12);
         (grid, period, per_cell.ceil().max(1.0) as usize)
     }
 
@@ -282,8 +284,8 @@ impl<const D: usize> SolidExperiment<'_, D> {
         })
     }
 
-    /// Factor by which a wave of unit amplitude is multiplied so that it is small beside the background, and bound on
-    /// its phase error (0 for unloading) after the given number of steps: by the rotation of the normal of a curved
+    /// Factor by which a wave of unit amplitude is multiplied so that it is small relative to the background, and bound
+    /// on its phase error (0 for unloading) after the given number of steps: by the rotation of the normal of a curved
     /// yield surface due to the stress of the wave and of the flow, and by the rounding of the total stress.
     fn choose_wave_scale(
         &self,
@@ -300,13 +302,14 @@ impl<const D: usize> SolidExperiment<'_, D> {
         let size = part * background.wave_capacity / stress;
         // Over one period plastic flow rotates the normal by up to 2π × safety factor × relative stress of the wave;
         // the rotation enters the projection twice.
-        let turned = if background.is_curved { 4.0 * PI * SAFETY_FACTOR * part } else { 0.0 };
+        let normal_rotation =
+            if background.is_curved { 4.0 * PI * SAFETY_FACTOR * part } else { 0.0 };
         let rounding = f64::EPSILON * background.energy_norm / (part * background.wave_capacity);
         if rounding > 0.1 {
             return Err(MeasurementError::BelowRounding);
         }
         let is_loading = branch.response == WaveResponse::Loading;
-        Ok((size, if is_loading { turned + steps as f64 * rounding } else { 0.0 }))
+        Ok((size, if is_loading { normal_rotation + steps as f64 * rounding } else { 0.0 }))
     }
 }
 

@@ -50,7 +50,7 @@ impl<const D: usize> WaveSimulation<'_, D> {
             let uniform = offset.as_ref().map_or(0.0, |own| own[place]);
             let values: Vec<f64> =
                 waves.iter().map(|phase| uniform + (wave[place] * phase).re).collect();
-            domain.set(field, &values);
+            domain.set_field(field, &values);
         }
         let into_energy = equations.energy_transform.map(Complex64::from);
         let count = domain.fields().len();

@@ -6,17 +6,18 @@ pub(super) const MAX_VELOCITIES: usize = 6;
 /// Successive eigenvalues of Γₑ closer than this, relative to the larger, count as equal.
 const EQUALITY_TOLERANCE: f64 = 1e-10;
 
-/// Distinct eigenvalues of Γₑ in a direction, ascending.
+/// Distinct eigenvalues of the elastic acoustic tensor Γₑ for one wave normal, ascending.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EigenvalueGroups {
-    pub(super) count: usize,
+    /// Number of distinct eigenvalues.
+    pub(super) group_count: usize,
     pub(super) values: [f64; MAX_VELOCITIES],
     pub(super) multiplicities: [u8; MAX_VELOCITIES],
     /// Index of the group that contains each eigenvalue.
     pub(super) group_index: [u8; MAX_VELOCITIES],
 }
 
-/// Eigenvectors of Γₑ in a direction, in columns.
+/// Eigenvectors of the elastic acoustic tensor Γₑ for one wave normal, in columns.
 pub(super) type Eigenbasis = [[f64; MAX_VELOCITIES]; MAX_VELOCITIES];
 
 impl EigenvalueGroups {
@@ -30,12 +31,12 @@ impl EigenvalueGroups {
         for &index in order.iter() {
             let value = eigenvalues[index];
             if value - previous > EQUALITY_TOLERANCE * value.abs() {
-                groups.values[groups.count] = value;
-                groups.count += 1;
+                groups.values[groups.group_count] = value;
+                groups.group_count += 1;
             }
             previous = value;
-            groups.group_index[index] = groups.count.saturating_sub(1) as u8;
-            groups.multiplicities[groups.count.saturating_sub(1)] += 1;
+            groups.group_index[index] = groups.group_count.saturating_sub(1) as u8;
+            groups.multiplicities[groups.group_count.saturating_sub(1)] += 1;
         }
         groups
     }
@@ -99,6 +100,6 @@ pub(super) fn diagonalise(
     }
 }
 
-pub(super) fn identity() -> Eigenbasis {
+pub(super) fn new_identity() -> Eigenbasis {
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))))
 }

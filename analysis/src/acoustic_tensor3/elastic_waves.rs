@@ -1,13 +1,13 @@
 //! Elastic acoustic tensor Γₑ and its eigenbases on the geodesic grid of wave normals.
 
-use super::eigenbasis::{Eigenbasis, EigenvalueGroups, MAX_VELOCITIES, diagonalise, identity};
+use super::eigenbasis::{Eigenbasis, EigenvalueGroups, MAX_VELOCITIES, diagonalise, new_identity};
 use super::error::NormalSearchError;
 use super::geodesic_grid::{MAX_NEIGHBOURS, build_grid_pair};
 use models::common::product::triple_product;
 use models::common::rates::RateEquations;
 use nalgebra::DMatrix;
 
-/// Number of directions processed together by the inner loops.
+/// Number of wave normals that the inner loops process together (SIMD lanes).
 pub(super) const LANES: usize = 32;
 
 /// Elastic acoustic tensor Γₑ(n) of a solid in space, with its eigenbases on a grid of wave normals; serves every
@@ -19,17 +19,18 @@ pub(super) const LANES: usize = 32;
 pub struct AcousticTensor3 {
     /// Squared speed of the fastest elastic wave, m²/s².
     pub(super) squared_speed_unit: f64,
-    pub(super) stresses: usize,
+    /// Number of stress components.
+    pub(super) stress_count: usize,
     /// Number of velocities that carry waves; they are ordered by decoupled blocks.
     pub(super) velocity_count: usize,
-    /// First velocity and size of each block.
+    /// Index of the first velocity and number of velocities of each decoupled block.
     pub(super) blocks: Vec<(usize, usize)>,
     /// M^(−½) Gⁱᵀ for each of the three axes i: velocities × stresses, in units of √`squared_speed_unit`.
     pub(super) scaled_divergence: [DMatrix<f64>; 3],
     /// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, summed over the pairs of axes ij = 11, 22, 33,
     /// 23, 13, 12, one matrix for each pair.
     form_tensors: [[[f64; MAX_VELOCITIES]; MAX_VELOCITIES]; 6],
-    /// Wave normals.
+    /// Wave normals of the grid.
     pub(super) normals: Vec<[f64; 3]>,
     /// Groups of equal eigenvalues at each of `normals`.
     pub(super) groups: Vec<EigenvalueGroups>,
@@ -42,14 +43,14 @@ pub struct AcousticTensor3 {
     /// Wave normals and eigenvalues in chunks of `LANES` directions, as structure of arrays; the last chunk is padded.
     pub(super) chunks: Vec<DirectionChunk>,
     /// Eigenvectors of each chunk, block by block, with the velocity as slow and the eigenvalue as fast index.
-    pub(super) bases: Vec<[f64; LANES]>,
+    pub(super) eigenvectors: Vec<[f64; LANES]>,
 }
 
 /// Wave normals and elastic eigenvalues of `LANES` directions.
 #[derive(Clone, Debug)]
 pub(super) struct DirectionChunk {
     pub(super) normal: [[f64; LANES]; 3],
-    pub(super) speed_squared: [[f64; LANES]; MAX_VELOCITIES],
+    pub(super) squared_speed: [[f64; LANES]; MAX_VELOCITIES],
 }
 
 impl AcousticTensor3 {
@@ -98,7 +99,7 @@ impl AcousticTensor3 {
         let (normals, coarse_points, coarse_neighbours, coarse_parents) = build_grid_pair();
         let mut tensor = Self {
             squared_speed_unit: 1.0,
-            stresses,
+            stress_count: stresses,
             velocity_count: size,
             blocks,
             scaled_divergence: std::array::from_fn(|axis| rows(axis, &order)),
@@ -109,19 +110,19 @@ impl AcousticTensor3 {
             coarse_points,
             coarse_neighbours,
             chunks: Vec::new(),
-            bases: Vec::new(),
+            eigenvectors: Vec::new(),
         };
         tensor.compute_waves()?;
         Ok(tensor)
     }
 
-    /// Fills `groups`, `chunks` and `bases`, and normalises by the fastest wave.
+    /// Fills `groups`, `chunks` and `eigenvectors`, and normalises by the fastest wave.
     fn compute_waves(&mut self) -> Result<(), NormalSearchError> {
         let count = self.normals.len();
         let mut fastest: f64 = 0.0;
         let mut waves = Vec::with_capacity(count);
         for &normal in &self.normals {
-            let wave = self.elastic_eigenbasis(&normal, &identity());
+            let wave = self.elastic_eigenbasis(&normal, &new_identity());
             for &value in &wave.0[..self.velocity_count] {
                 fastest = fastest.max(value);
             }
@@ -134,7 +135,7 @@ impl AcousticTensor3 {
             {
                 return Err(NormalSearchError::NotPositiveDefinite {
                     normal,
-                    speed_squared: value,
+                    squared_speed: value,
                 });
             }
         }
@@ -149,19 +150,19 @@ impl AcousticTensor3 {
         for start in (0..count).step_by(LANES) {
             let mut chunk = DirectionChunk {
                 normal: [[0.0; LANES]; 3],
-                speed_squared: [[1.0; LANES]; MAX_VELOCITIES],
+                squared_speed: [[1.0; LANES]; MAX_VELOCITIES],
             };
-            let first = self.bases.len();
-            self.bases.resize(first + entries, [0.0; LANES]);
+            let first = self.eigenvectors.len();
+            self.eigenvectors.resize(first + entries, [0.0; LANES]);
             for lane in 0..LANES {
                 // Pad the last chunk with the last direction.
-                let place = (start + lane).min(count - 1);
-                let (values, basis) = &waves[place];
+                let point = (start + lane).min(count - 1);
+                let (values, basis) = &waves[point];
                 for axis in 0..3 {
-                    chunk.normal[axis][lane] = self.normals[place][axis];
+                    chunk.normal[axis][lane] = self.normals[point][axis];
                 }
                 for (lanes, value) in
-                    chunk.speed_squared.iter_mut().zip(values).take(self.velocity_count)
+                    chunk.squared_speed.iter_mut().zip(values).take(self.velocity_count)
                 {
                     lanes[lane] = value / fastest;
                 }
@@ -169,7 +170,7 @@ impl AcousticTensor3 {
                 for &(block, size) in &self.blocks {
                     for row in &basis[block..block + size] {
                         for &component in &row[block..block + size] {
-                            self.bases[entry][lane] = component;
+                            self.eigenvectors[entry][lane] = component;
                             entry += 1;
                         }
                     }
@@ -184,15 +185,15 @@ impl AcousticTensor3 {
         Ok(())
     }
 
-    /// Eigenvalues and eigenvectors of Γₑ at the normal n; fast if `near` is close to the eigenvectors.
+    /// Eigenvalues and eigenvectors of Γₑ for the wave normal n; fast if `nearby_basis` is close to the eigenvectors.
     pub(super) fn elastic_eigenbasis(
         &self,
         n: &[f64; 3],
-        near: &Eigenbasis,
+        nearby_basis: &Eigenbasis,
     ) -> ([f64; MAX_VELOCITIES], Eigenbasis) {
         let factors =
             [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
-        let (mut matrix, mut basis) = ([[0.0; MAX_VELOCITIES]; MAX_VELOCITIES], *near);
+        let (mut matrix, mut basis) = ([[0.0; MAX_VELOCITIES]; MAX_VELOCITIES], *nearby_basis);
         for &(first, size) in &self.blocks {
             let range = first..first + size;
             let mut half = [[0.0; MAX_VELOCITIES]; MAX_VELOCITIES];
@@ -203,14 +204,14 @@ impl AcousticTensor3 {
                         entry += factor * tensor[i][j];
                     }
                     for k in range.clone() {
-                        half[i][k] += entry * near[j][k];
+                        half[i][k] += entry * nearby_basis[j][k];
                     }
                 }
             }
             for i in range.clone() {
                 for k in range.clone() {
                     for l in range.clone() {
-                        matrix[k][l] += near[i][k] * half[i][l];
+                        matrix[k][l] += nearby_basis[i][k] * half[i][l];
                     }
                 }
             }
@@ -219,15 +220,15 @@ impl AcousticTensor3 {
         (std::array::from_fn(|k| matrix[k][k]), basis)
     }
 
-    /// Eigenvectors of Γₑ at the grid point `place`.
-    pub(super) fn eigenbasis_at(&self, place: usize) -> Eigenbasis {
+    /// Eigenvectors of Γₑ at the grid point of index `point`.
+    pub(super) fn eigenbasis_at(&self, point: usize) -> Eigenbasis {
         let mut basis = [[0.0; MAX_VELOCITIES]; MAX_VELOCITIES];
         let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
-        let mut entry = place / LANES * entries;
+        let mut entry = point / LANES * entries;
         for &(first, size) in &self.blocks {
             for row in &mut basis[first..first + size] {
                 for component in &mut row[first..first + size] {
-                    *component = self.bases[entry][place % LANES];
+                    *component = self.eigenvectors[entry][point % LANES];
                     entry += 1;
                 }
             }
@@ -255,10 +256,10 @@ fn coupled_blocks(all: &[[DMatrix<f64>; 3]; 3], size: usize) -> (Vec<usize>, Vec
     let mut order: Vec<usize> = (0..size).collect();
     order.sort_by_key(|&v| block[v]);
     let mut blocks: Vec<(usize, usize)> = Vec::new();
-    for (place, &v) in order.iter().enumerate() {
+    for (point, &v) in order.iter().enumerate() {
         match blocks.last_mut() {
             Some((first, length)) if block[order[*first]] == block[v] => *length += 1,
-            _ => blocks.push((place, 1)),
+            _ => blocks.push((point, 1)),
         }
     }
     (order, blocks)

@@ -3,9 +3,9 @@
 use super::unit_vectors::{dot, normalise};
 use std::collections::HashMap;
 
-/// Number of subdivisions of an edge of the icosahedron, for the fine grid and for the coarse grid, on which all roots
-/// are computed.
+/// Number of subdivisions of an edge of the icosahedron in the fine grid.
 pub(super) const FINE_SUBDIVISIONS: usize = 51;
+/// Number of subdivisions of an edge of the icosahedron in the coarse grid, on which all roots are computed.
 pub(super) const COARSE_SUBDIVISIONS: usize = 17;
 /// Maximum number of neighbours of a point of the geodesic grid.
 pub(super) const MAX_NEIGHBOURS: usize = 6;
@@ -65,6 +65,7 @@ fn build_geodesic_grid(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     (points, triangles)
 }
 
+/// Fine grid and coarse grid, as [`build_grid_pair`] returns them.
 type GridPair = (Vec<[f64; 3]>, Vec<u32>, Vec<[u32; MAX_NEIGHBOURS]>, Vec<u32>);
 
 /// Returns the fine grid, the coarse grid as indices into the fine grid, the neighbours of each coarse point (if fewer
@@ -79,18 +80,18 @@ pub(super) fn build_grid_pair() -> GridPair {
     };
     let parents = fine.iter().map(|n| nearest(&coarse, n)).collect();
     let places = coarse.iter().map(|n| nearest(&fine, n)).collect();
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); coarse.len()];
+    let mut neighbours_by_point: Vec<Vec<u32>> = vec![Vec::new(); coarse.len()];
     for triangle in triangles {
         for i in 0..3 {
             for j in (0..3).filter(|&j| j != i) {
                 let other = triangle[j] as u32;
-                if !around[triangle[i]].contains(&other) {
-                    around[triangle[i]].push(other);
+                if !neighbours_by_point[triangle[i]].contains(&other) {
+                    neighbours_by_point[triangle[i]].push(other);
                 }
             }
         }
     }
-    let neighbours = around
+    let neighbours = neighbours_by_point
         .iter()
         .map(|list| std::array::from_fn(|i| list.get(i).or(list.first()).copied().unwrap_or(0)))
         .collect();

@@ -68,8 +68,8 @@ pub(super) fn minimise(
         if !is_lower && best.1 >= middle {
             // No stencil point is lower: points closer to the centre cannot be lower by more than about the rise over
             // the stencil.
-            let around = [east, west, north, south, both, neither];
-            let rise = around.iter().filter(|value| value.is_finite());
+            let stencil_values = [east, west, north, south, both, neither];
+            let rise = stencil_values.iter().filter(|value| value.is_finite());
             let rise = rise.fold(0.0, |rise: f64, value| rise.max(value - middle));
             if rise > 0.0 && middle - 2.0 * rise > target {
                 return best;

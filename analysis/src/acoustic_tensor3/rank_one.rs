@@ -6,10 +6,10 @@ use models::common::rates::RateEquations;
 /// Rank-one update −a bᵀ of the stiffness while one yield condition is active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankOneUpdate {
-    /// a = D m/(H + n·Dm), dimensionless if the gradients of the condition are.
-    pub image: Vec<f64>,
-    /// b = D n, in the units of the stiffness.
-    pub covector: Vec<f64>,
+    /// Vector a = D m/(H + n·Dm), dimensionless if the gradients of the yield condition are.
+    pub flow_image: Vec<f64>,
+    /// Vector b = D n, in the units of the stiffness.
+    pub normal_image: Vec<f64>,
 }
 
 impl RankOneUpdate {
@@ -34,17 +34,17 @@ impl RankOneUpdate {
             let row = |i| (0..needed).map(|j| elastic.stiffness[(i, j)].value * vector[j]).sum();
             (0..needed).map(row).collect()
         };
-        let (mut image, covector) = (product(flow), product(normal));
-        let response = hardening + normal.iter().zip(&image).map(|(n, d)| n * d).sum::<f64>();
+        let (mut flow_image, normal_image) = (product(flow), product(normal));
+        let response = hardening + normal.iter().zip(&flow_image).map(|(n, d)| n * d).sum::<f64>();
         if response.is_nan() {
             return Err(NormalSearchError::NotFinite);
         }
         if response <= 0.0 {
             return Err(NormalSearchError::NoResponse(response));
         }
-        for component in &mut image {
+        for component in &mut flow_image {
             *component /= response;
         }
-        Ok(Self { image, covector })
+        Ok(Self { flow_image, normal_image })
     }
 }

@@ -16,7 +16,7 @@ use num_complex::Complex64;
 #[derive(Clone, Debug)]
 pub struct NormalSearchWorkspace {
     pub(super) coarse_roots: Vec<SecularRoots>,
-    pub(super) growth_squared: Vec<f64>,
+    pub(super) squared_growth: Vec<f64>,
 }
 
 impl AcousticTensor3 {
@@ -26,7 +26,7 @@ impl AcousticTensor3 {
             SecularRoots { smallest_real: f64::INFINITY, critical_pair: None, is_complex: false };
         NormalSearchWorkspace {
             coarse_roots: vec![none; self.coarse_points.len()],
-            growth_squared: vec![f64::NEG_INFINITY; self.coarse_points.len()],
+            squared_growth: vec![f64::NEG_INFINITY; self.coarse_points.len()],
         }
     }
 
@@ -48,32 +48,32 @@ impl AcousticTensor3 {
         if workspace.coarse_roots.len() != self.coarse_points.len() {
             *workspace = self.new_workspace();
         }
-        let NormalSearchWorkspace { coarse_roots, growth_squared } = workspace;
+        let NormalSearchWorkspace { coarse_roots, squared_growth } = workspace;
         for (place, (roots, growth)) in
-            coarse_roots.iter_mut().zip(growth_squared.iter_mut()).enumerate()
+            coarse_roots.iter_mut().zip(squared_growth.iter_mut()).enumerate()
         {
             let index = self.coarse_points[place] as usize;
             let normal = &self.normals[index];
             *roots = tensor_update
                 .secular_equation_at(normal, &self.eigenbasis_at(index), &self.groups[index])
                 .solve_roots();
-            *growth = roots.critical_pair.map_or(f64::NEG_INFINITY, |pair| pair.growth_squared());
+            *growth = roots.critical_pair.map_or(f64::NEG_INFINITY, |pair| pair.squared_growth());
         }
 
         let mut best = ScaledExtremes { slowest: (self.normals[0], f64::INFINITY), flutter: None };
-        self.refine_coarse_extremes(&tensor_update, coarse_roots, growth_squared, &mut best);
+        self.refine_coarse_extremes(&tensor_update, coarse_roots, squared_growth, &mut best);
         self.search_fine_grid(&tensor_update, coarse_roots, &mut best);
 
         let (normal, value) = best.slowest;
         Ok(WaveExtremes {
             flutter: best.flutter.map(|(normal, pair)| Flutter {
-                growth: (self.squared_speed_unit * pair.growth_squared()).sqrt(),
-                speed_squared: Complex64::new(pair.mean, (-pair.half_difference_squared).sqrt())
+                max_imaginary_speed: (self.squared_speed_unit * pair.squared_growth()).sqrt(),
+                squared_speed: Complex64::new(pair.mean, (-pair.squared_half_difference).sqrt())
                     * self.squared_speed_unit,
                 normal,
             }),
             slowest: SlowestSpeed {
-                speed_squared: value * self.squared_speed_unit,
+                squared_speed: value * self.squared_speed_unit,
                 normal,
                 rounding: 64.0
                     * f64::EPSILON
@@ -89,10 +89,10 @@ impl AcousticTensor3 {
         &self,
         tensor_update: &TensorUpdate,
         coarse_roots: &[SecularRoots],
-        growth_squared: &[f64],
+        squared_growth: &[f64],
         best: &mut ScaledExtremes,
     ) {
-        let (least, most) = coarse_roots.iter().zip(growth_squared.iter()).enumerate().fold(
+        let (least, most) = coarse_roots.iter().zip(squared_growth.iter()).enumerate().fold(
             (0, 0),
             |(least, most), (place, (roots, &own))| {
                 let least = if roots.smallest_real < coarse_roots[least].smallest_real {
@@ -100,7 +100,7 @@ impl AcousticTensor3 {
                 } else {
                     least
                 };
-                (least, if own > growth_squared[most] { place } else { most })
+                (least, if own > squared_growth[most] { place } else { most })
             },
         );
         self.refine_slowest(
@@ -118,12 +118,13 @@ impl AcousticTensor3 {
             );
         }
         for place in 0..coarse_roots.len() {
-            let around = &self.coarse_neighbours[place];
+            let neighbour_values = &self.coarse_neighbours[place];
             // Between a grid point and half the distance to its neighbours a quadratic changes by a quarter of the
             // difference; eight times as much is allowed for.
             let own = coarse_roots[place].smallest_real;
-            let (lowest, highest) =
-                min_and_max(around.iter().map(|&i| coarse_roots[i as usize].smallest_real));
+            let (lowest, highest) = min_and_max(
+                neighbour_values.iter().map(|&i| coarse_roots[i as usize].smallest_real),
+            );
             if place != least && own <= lowest && own - 2.0 * (highest - own) < best.slowest.1 {
                 self.refine_slowest(
                     tensor_update,
@@ -132,16 +133,19 @@ impl AcousticTensor3 {
                     best,
                 );
             }
-            let own = growth_squared[place];
-            let (_, highest) = min_and_max(around.iter().map(|&i| growth_squared[i as usize]));
-            let finite =
-                around.iter().map(|&i| growth_squared[i as usize]).filter(|g| g.is_finite());
+            let own = squared_growth[place];
+            let (_, highest) =
+                min_and_max(neighbour_values.iter().map(|&i| squared_growth[i as usize]));
+            let finite = neighbour_values
+                .iter()
+                .map(|&i| squared_growth[i as usize])
+                .filter(|g| g.is_finite());
             let (lowest, _) = min_and_max(finite);
-            let goal = best.flutter.map_or(0.0, |(_, pair)| pair.growth_squared());
+            let target = best.flutter.map_or(0.0, |(_, pair)| pair.squared_growth());
             if place != most
                 && coarse_roots[place].critical_pair.is_some()
                 && own >= highest
-                && (lowest > own || own + 2.0 * (own - lowest) > goal)
+                && (lowest > own || own + 2.0 * (own - lowest) > target)
             {
                 self.refine_flutter(
                     tensor_update,
@@ -173,7 +177,7 @@ impl AcousticTensor3 {
             let mut lowest = [0.0_f64; LANES];
             let mut is_above = [false; LANES];
             for (products, values) in
-                products.iter().zip(&chunk.speed_squared).take(self.velocity_count)
+                products.iter().zip(&chunk.squared_speed).take(self.velocity_count)
             {
                 for lane in 0..LANES {
                     sides[lane] -= products[lane] / (values[lane] - target);
@@ -202,10 +206,10 @@ impl AcousticTensor3 {
                     }
                 }
                 let parent = &coarse_roots[self.coarse_parents[place] as usize];
-                if parent.is_complex || secular.count < 2 || secular.sign_changes() < 3 {
+                if parent.is_complex || secular.pole_count < 2 || secular.sign_changes() < 3 {
                     continue;
                 }
-                if secular.count > 2
+                if secular.pole_count > 2
                     && secular.sign_changes() == 3
                     && parent
                         .critical_pair
@@ -217,7 +221,7 @@ impl AcousticTensor3 {
                 if let (true, Some(pair)) = (roots.is_complex, roots.critical_pair) {
                     insert_strongest(
                         &mut found,
-                        (place, pair.growth_squared()),
+                        (place, pair.squared_growth()),
                         &self.coarse_parents,
                     );
                 }
@@ -239,7 +243,7 @@ impl AcousticTensor3 {
     ) {
         let chunk = &self.chunks[index];
         let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
-        let bases = &self.bases[index * entries..(index + 1) * entries];
+        let eigenvectors = &self.eigenvectors[index * entries..(index + 1) * entries];
         let [x, y, z] = &chunk.normal;
         let (mut squares, mut other_squares) = ([0.0; LANES], [0.0; LANES]);
         let mut entry = 0;
@@ -258,7 +262,7 @@ impl AcousticTensor3 {
                     other_squares[lane] += own_beta[lane] * own_beta[lane];
                 }
                 for k in 0..size {
-                    let basis = &bases[entry];
+                    let basis = &eigenvectors[entry];
                     for lane in 0..LANES {
                         alpha[k][lane] += basis[lane] * own_alpha[lane];
                         beta[k][lane] += basis[lane] * own_beta[lane];
@@ -277,14 +281,15 @@ impl AcousticTensor3 {
         }
     }
 
-    /// Relevant eigenvalues of Γ = Γₑ − αβᵀ at `normal`; fast if `near` is close to the eigenvectors of Γₑ there.
+    /// Relevant eigenvalues of Γ = Γₑ − αβᵀ at `normal`; fast if `nearby_basis` is close to the eigenvectors of Γₑ
+    /// there.
     fn solve_roots_near(
         &self,
         tensor_update: &TensorUpdate,
-        near: &Eigenbasis,
+        nearby_basis: &Eigenbasis,
         normal: &[f64; 3],
     ) -> SecularRoots {
-        let (values, basis) = self.elastic_eigenbasis(normal, near);
+        let (values, basis) = self.elastic_eigenbasis(normal, nearby_basis);
         tensor_update
             .secular_equation_at(
                 normal,
@@ -303,9 +308,10 @@ impl AcousticTensor3 {
         frequency: usize,
         best: &mut ScaledExtremes,
     ) {
-        let near = self.eigenbasis_at(place);
-        let function =
-            |normal: &[f64; 3]| self.solve_roots_near(tensor_update, &near, normal).smallest_real;
+        let nearby_basis = self.eigenbasis_at(place);
+        let function = |normal: &[f64; 3]| {
+            self.solve_roots_near(tensor_update, &nearby_basis, normal).smallest_real
+        };
         let radius = 1.3 / frequency as f64;
         let found = minimise(self.normals[place], radius, best.slowest.1, function);
         if found.1 < best.slowest.1 {
@@ -322,16 +328,16 @@ impl AcousticTensor3 {
         frequency: usize,
         best: &mut ScaledExtremes,
     ) {
-        let near = self.eigenbasis_at(place);
-        let goal = best.flutter.map_or(0.0, |(_, pair)| pair.growth_squared());
+        let nearby_basis = self.eigenbasis_at(place);
+        let target = best.flutter.map_or(0.0, |(_, pair)| pair.squared_growth());
         let function = |normal: &[f64; 3]| {
-            let roots = self.solve_roots_near(tensor_update, &near, normal);
-            roots.critical_pair.map_or(f64::INFINITY, |pair| -pair.growth_squared())
+            let roots = self.solve_roots_near(tensor_update, &nearby_basis, normal);
+            roots.critical_pair.map_or(f64::INFINITY, |pair| -pair.squared_growth())
         };
         let radius = 1.3 / frequency as f64;
-        let (normal, value) = minimise(self.normals[place], radius, -goal, function);
-        let roots = self.solve_roots_near(tensor_update, &near, &normal);
-        if let (true, true, Some(pair)) = (-value > goal, roots.is_complex, roots.critical_pair) {
+        let (normal, value) = minimise(self.normals[place], radius, -target, function);
+        let roots = self.solve_roots_near(tensor_update, &nearby_basis, &normal);
+        if let (true, true, Some(pair)) = (-value > target, roots.is_complex, roots.critical_pair) {
             best.flutter = Some((normal, pair));
         }
     }
@@ -351,7 +357,7 @@ fn insert_strongest(list: &mut [(usize, f64)], own: (usize, f64), coarse_parents
     }
 }
 
-/// Slowest wave (normal, c²) and strongest flutter (normal, pair) so far, in scaled units.
+/// Slowest wave (normal, c²) and strongest flutter (normal, eigenvalue pair) found so far, in scaled units.
 struct ScaledExtremes {
     pub(super) slowest: ([f64; 3], f64),
     pub(super) flutter: Option<([f64; 3], EigenvaluePair)>,

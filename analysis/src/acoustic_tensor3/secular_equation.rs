@@ -6,11 +6,13 @@ use num_complex::Complex64;
 /// Secular equation 1 = Σ w_g/(λ_g − λ) of a direction, without vanishing weights.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SecularEquation {
-    pub(super) count: usize,
+    /// Number of poles λ_g.
+    pub(super) pole_count: usize,
     pub(super) poles: [f64; MAX_VELOCITIES],
     pub(super) weights: [f64; MAX_VELOCITIES],
     /// Eigenvalues that the update does not change.
     pub(super) unchanged_eigenvalues: [f64; MAX_VELOCITIES],
+    /// Number of eigenvalues that the update does not change.
     pub(super) unchanged_count: usize,
 }
 
@@ -18,7 +20,7 @@ impl SecularEquation {
     /// Values of q(x) = Π_g (x − λ_g) + Σ_g w_g Π_(h≠g) (x − λ_h), which vanishes at the eigenvalues, and of q′(x).
     pub(super) fn evaluate_polynomial(&self, x: f64) -> (f64, f64) {
         let (mut product, mut product_slope, mut sum, mut sum_slope) = (1.0, 0.0, 0.0, 0.0);
-        for (pole, weight) in self.poles.iter().zip(&self.weights).take(self.count) {
+        for (pole, weight) in self.poles.iter().zip(&self.weights).take(self.pole_count) {
             let distance = x - pole;
             sum_slope = sum_slope * distance + sum + weight * product_slope;
             sum = sum * distance + weight * product;
@@ -32,7 +34,7 @@ impl SecularEquation {
     pub(super) fn evaluate_complex_polynomial(&self, x: Complex64) -> (Complex64, Complex64) {
         let [zero, one] = [Complex64::new(0.0, 0.0), Complex64::new(1.0, 0.0)];
         let (mut product, mut product_slope, mut sum, mut sum_slope) = (one, zero, zero, zero);
-        for (pole, weight) in self.poles.iter().zip(&self.weights).take(self.count) {
+        for (pole, weight) in self.poles.iter().zip(&self.weights).take(self.pole_count) {
             let distance = x - pole;
             sum_slope = sum_slope * distance + sum + product_slope * weight;
             sum = sum * distance + product * weight;
@@ -46,7 +48,7 @@ impl SecularEquation {
     /// but at most two.
     pub(super) fn sign_changes(&self) -> usize {
         let (mut changes, mut positive) = (0, true);
-        for &weight in &self.weights[..self.count] {
+        for &weight in &self.weights[..self.pole_count] {
             if (weight > 0.0) != positive {
                 changes += 1;
                 positive = !positive;
@@ -57,7 +59,7 @@ impl SecularEquation {
 
     /// Largest magnitude of the numbers in the equation, the scale of rounding.
     pub(super) fn max_magnitude(&self) -> f64 {
-        let all = self.poles[..self.count].iter().chain(&self.weights[..self.count]);
+        let all = self.poles[..self.pole_count].iter().chain(&self.weights[..self.pole_count]);
         all.fold(0.0, |largest: f64, x| largest.max(x.abs()))
     }
 
@@ -65,10 +67,10 @@ impl SecularEquation {
     /// roots replaces the missing pole.
     fn root_interval(&self, index: usize) -> (f64, f64) {
         let part = |sign: f64| {
-            self.weights[..self.count].iter().fold(0.0, |sum, w| sum + (sign * w).max(0.0))
+            self.weights[..self.pole_count].iter().fold(0.0, |sum, w| sum + (sign * w).max(0.0))
         };
         let low = if index == 0 { self.poles[0] - part(1.0) } else { self.poles[index - 1] };
-        let high = if index == self.count {
+        let high = if index == self.pole_count {
             self.poles[index - 1] + part(-1.0)
         } else {
             self.poles[index]
@@ -79,17 +81,17 @@ impl SecularEquation {
     /// Whether the interval below pole `index` (above the last pole if `index` = `count`) has an odd number of roots.
     pub(super) fn has_odd_root_count(&self, index: usize) -> bool {
         let below = index == 0 || self.weights[index - 1] > 0.0;
-        let above = index < self.count && self.weights[index] > 0.0;
+        let above = index < self.pole_count && self.weights[index] > 0.0;
         below == above
     }
 
     /// The sign of q at the upper end of the interval below pole `index`.
     pub(super) fn sign_at_upper_end(&self, index: usize) -> f64 {
         // There q = w_index Π(λ_index − λ_h), with one negative factor for each pole above.
-        if index == self.count {
+        if index == self.pole_count {
             return 1.0;
         }
-        let flips = (self.count - 1 - index) % 2 == 1;
+        let flips = (self.pole_count - 1 - index) % 2 == 1;
         if (self.weights[index] > 0.0) == flips { -1.0 } else { 1.0 }
     }
 
@@ -107,15 +109,15 @@ impl SecularEquation {
             parts[g] = self.weights[g] * inverse;
             slopes[g] = parts[g] * inverse;
         }
-        for g in 0..self.count {
+        for g in 0..self.pole_count {
             value -= parts[g];
             if g < index { below -= slopes[g] } else { above -= slopes[g] }
         }
-        if index == 0 || index == self.count {
+        if index == 0 || index == self.pole_count {
             // One pole: c + b/(λ − y).
             let (pole, slope) = match index {
                 0 => (self.poles[0], above),
-                _ => (self.poles[self.count - 1], below),
+                _ => (self.poles[self.pole_count - 1], below),
             };
             let distance = pole - x;
             return distance * value / (value - slope * distance);
@@ -138,7 +140,7 @@ impl SecularEquation {
     pub(super) fn solve_root(&self, index: usize, size: f64, is_simple: bool) -> f64 {
         let (mut low, mut high) = self.root_interval(index);
         let sign = self.sign_at_upper_end(index);
-        let is_inner = 0 < index && index < self.count;
+        let is_inner = 0 < index && index < self.pole_count;
         // From below all roots, if these are real, Newton's method converges monotonically to the smallest one.
         let mut x = if index == 0 { low } else { 0.5 * (low + high) };
         if is_inner || is_simple {
@@ -196,7 +198,8 @@ pub(super) fn assemble_secular_equation(
         weight[usize::from(group)] += product;
     }
     let mut secular = SecularEquation::default();
-    let members = groups.values.iter().zip(&groups.multiplicities).zip(&weight).take(groups.count);
+    let members =
+        groups.values.iter().zip(&groups.multiplicities).zip(&weight).take(groups.group_count);
     for ((&value, &multiplicity), &weight) in members {
         let is_free = weight.abs() <= threshold;
         for _ in usize::from(!is_free)..usize::from(multiplicity) {
@@ -204,9 +207,9 @@ pub(super) fn assemble_secular_equation(
             secular.unchanged_count += 1;
         }
         if !is_free {
-            secular.poles[secular.count] = value;
-            secular.weights[secular.count] = weight;
-            secular.count += 1;
+            secular.poles[secular.pole_count] = value;
+            secular.weights[secular.pole_count] = weight;
+            secular.pole_count += 1;
         }
     }
     secular

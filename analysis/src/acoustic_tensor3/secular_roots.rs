@@ -5,8 +5,8 @@ use super::secular_equation::SecularEquation;
 use models::common::elementary::cr_from_polar;
 use num_complex::Complex64;
 
-/// Size of a weight, relative to the largest number in the secular equation, below which it may change sign between
-/// neighbouring directions of the coarse grid.
+/// Weights w_g below this fraction of the largest number in the secular equation may change sign between neighbouring
+/// directions of the coarse grid.
 const SLIGHT_WEIGHT: f64 = 0.004;
 /// Distance of two roots, relative to the largest number in the secular equation, above which they do not meet between
 /// neighbouring directions of the coarse grid.
@@ -15,11 +15,11 @@ const MAX_MEETING_DISTANCE: f64 = 0.1;
 /// Threshold of rounding for (Im λ)², relative to the square of the largest number in the secular equation.
 const FLUTTER_TOLERANCE: f64 = 1e-13;
 
-/// A pair of eigenvalues `mean` ± √`half_difference_squared`, complex for `half_difference_squared` < 0.
+/// A pair of eigenvalues `mean` ± √`squared_half_difference`, complex for `squared_half_difference` < 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EigenvaluePair {
     pub(super) mean: f64,
-    pub(super) half_difference_squared: f64,
+    pub(super) squared_half_difference: f64,
 }
 
 /// The eigenvalues of Γ that matter in the search, in one direction.
@@ -34,16 +34,16 @@ pub(super) struct SecularRoots {
 
 impl EigenvaluePair {
     /// (Im c)² = (|λ| − Re λ)/2 of a complex pair λ = c², and its continuation to real pairs of positive `mean`, where
-    /// it is not positive. Real pairs whose `mean` is not positive do not flutter: −`half_difference_squared` is
+    /// it is not positive. Real pairs whose `mean` is not positive do not flutter: −`squared_half_difference` is
     /// returned.
-    pub(super) fn growth_squared(&self) -> f64 {
-        if self.half_difference_squared >= 0.0 && self.mean <= 0.0 {
-            return -self.half_difference_squared;
+    pub(super) fn squared_growth(&self) -> f64 {
+        if self.squared_half_difference >= 0.0 && self.mean <= 0.0 {
+            return -self.squared_half_difference;
         }
-        let modulus = (self.mean * self.mean - self.half_difference_squared).max(0.0).sqrt();
+        let modulus = (self.mean * self.mean - self.squared_half_difference).max(0.0).sqrt();
         if self.mean > 0.0 {
             // Equivalent form without cancellation.
-            -0.5 * self.half_difference_squared / (modulus + self.mean)
+            -0.5 * self.squared_half_difference / (modulus + self.mean)
         } else {
             0.5 * (modulus - self.mean)
         }
@@ -57,7 +57,7 @@ impl SecularEquation {
         let half = 0.5 * (first - second);
         EigenvaluePair {
             mean: 0.5 * (first + second),
-            half_difference_squared: half * half + self.weights[0] * self.weights[1],
+            squared_half_difference: half * half + self.weights[0] * self.weights[1],
         }
     }
 
@@ -67,7 +67,7 @@ impl SecularEquation {
             .iter()
             .fold(f64::INFINITY, |smallest_real, &x| smallest_real.min(x));
         let mut pair = None;
-        match (self.count, self.sign_changes()) {
+        match (self.pole_count, self.sign_changes()) {
             (0, _) => {}
             (1, _) => smallest_real = smallest_real.min(self.poles[0] - self.weights[0]),
             (2, _) => pair = Some(self.solve_quadratic()),
@@ -78,10 +78,10 @@ impl SecularEquation {
         let mut is_complex = false;
         if let Some(pair) = &pair {
             let size = self.max_magnitude();
-            is_complex = pair.half_difference_squared < -FLUTTER_TOLERANCE * size * size;
+            is_complex = pair.squared_half_difference < -FLUTTER_TOLERANCE * size * size;
             if !is_complex {
                 // Smaller root of the real pair.
-                let root = pair.half_difference_squared.max(0.0).sqrt();
+                let root = pair.squared_half_difference.max(0.0).sqrt();
                 smallest_real = smallest_real.min(pair.mean - root);
             }
         }
@@ -95,15 +95,15 @@ impl SecularEquation {
         let least_index = usize::from(self.weights[0] < 0.0);
         let size = self.max_magnitude();
         let slight = SLIGHT_WEIGHT * size;
-        if self.weights[..self.count].iter().all(|w| w.abs() > slight) {
+        if self.weights[..self.pole_count].iter().all(|w| w.abs() > slight) {
             smallest_real = smallest_real.min(self.solve_root(least_index, size, true));
         } else {
             // The sign of a slight weight may change in a neighbouring direction.
             let is_slight = |pole: usize| {
-                self.weights[..self.count].get(pole).is_some_and(|w| w.abs() <= slight)
+                self.weights[..self.pole_count].get(pole).is_some_and(|w| w.abs() <= slight)
             };
             let mut previous = f64::NEG_INFINITY;
-            for index in (0..=self.count).filter(|&index| self.has_odd_root_count(index)) {
+            for index in (0..=self.pole_count).filter(|&index| self.has_odd_root_count(index)) {
                 let is_beside = is_slight(index) || (index > 0 && is_slight(index - 1));
                 if !is_beside && index != least_index {
                     previous = f64::NEG_INFINITY;
@@ -124,12 +124,12 @@ impl SecularEquation {
     /// roots are real, the pair closest to becoming complex.
     fn solve_with_deflated_pair(&self, mut smallest_real: f64) -> (f64, Option<EigenvaluePair>) {
         let (found, rest) = self.deflate_to_pair();
-        let found = &found[..self.count - 2];
+        let found = &found[..self.pole_count - 2];
         smallest_real = found.iter().fold(smallest_real, |smallest_real, &x| smallest_real.min(x));
         let mut pair = Some(rest);
-        if rest.half_difference_squared >= 0.0 {
+        if rest.squared_half_difference >= 0.0 {
             // If one interval has three roots, any two of them may form the pair.
-            let root = rest.half_difference_squared.sqrt();
+            let root = rest.squared_half_difference.sqrt();
             smallest_real = smallest_real.min(rest.mean - root);
             let last = [rest.mean - root, rest.mean + root];
             for &x in found {
@@ -146,16 +146,16 @@ impl SecularEquation {
     fn solve_by_aberth(&self, mut smallest_real: f64) -> (f64, Option<EigenvaluePair>) {
         let mut pair: Option<EigenvaluePair> = None;
         let all = self.iterate_aberth();
-        let all = &all[..self.count];
+        let all = &all[..self.pole_count];
         for (index, root) in all.iter().enumerate() {
             let own =
-                EigenvaluePair { mean: root.re, half_difference_squared: -(root.im * root.im) };
+                EigenvaluePair { mean: root.re, squared_half_difference: -(root.im * root.im) };
             if root.im == 0.0 {
                 smallest_real = smallest_real.min(root.re);
                 for other in all[..index].iter().filter(|other| other.im == 0.0) {
                     pair = self.more_critical_pair(pair, root.re, other.re);
                 }
-            } else if pair.is_none_or(|p| p.growth_squared() < own.growth_squared()) {
+            } else if pair.is_none_or(|p| p.squared_growth() < own.squared_growth()) {
                 pair = Some(own);
             }
         }
@@ -171,12 +171,12 @@ impl SecularEquation {
         y: f64,
     ) -> Option<EigenvaluePair> {
         let half = 0.5 * (x - y);
-        let own = EigenvaluePair { mean: 0.5 * (x + y), half_difference_squared: half * half };
+        let own = EigenvaluePair { mean: 0.5 * (x + y), squared_half_difference: half * half };
         let slight = SLIGHT_WEIGHT * self.max_magnitude();
         let is_between =
             |(pole, weight): (&f64, &f64)| (pole - x) * (pole - y) < 0.0 && weight.abs() > slight;
-        let is_far = pair.is_some_and(|pair| pair.growth_squared() >= own.growth_squared())
-            || self.poles.iter().zip(&self.weights).take(self.count).any(is_between);
+        let is_far = pair.is_some_and(|pair| pair.squared_growth() >= own.squared_growth())
+            || self.poles.iter().zip(&self.weights).take(self.pole_count).any(is_between);
         if is_far { pair } else { Some(own) }
     }
 
@@ -185,12 +185,12 @@ impl SecularEquation {
     pub(super) fn deflate_to_pair(&self) -> ([f64; MAX_VELOCITIES], EigenvaluePair) {
         let (mut found, mut count) = ([0.0; MAX_VELOCITIES], 0);
         let mut sum = 0.0;
-        for index in 0..self.count {
+        for index in 0..self.pole_count {
             sum += self.poles[index] - self.weights[index];
         }
         let size = self.max_magnitude();
-        for index in 0..=self.count {
-            if count < self.count - 2 && self.has_odd_root_count(index) {
+        for index in 0..=self.pole_count {
+            if count < self.pole_count - 2 && self.has_odd_root_count(index) {
                 found[count] = self.solve_root(index, size, false);
                 sum -= found[count];
                 count += 1;
@@ -208,11 +208,11 @@ impl SecularEquation {
         for f in &found[..count] {
             value /= at - f;
         }
-        let mut half_difference_squared = shift * shift - value;
+        let mut squared_half_difference = shift * shift - value;
         // The sum suffers from cancellation; if the pair is complex and well separated, Newton's method restores its
         // accuracy.
-        if half_difference_squared < -1e-10 * size * size {
-            let mut root = Complex64::new(mean, (-half_difference_squared).sqrt());
+        if squared_half_difference < -1e-10 * size * size {
+            let mut root = Complex64::new(mean, (-squared_half_difference).sqrt());
             for _ in 0..2 {
                 let (value, slope) = self.evaluate_complex_polynomial(root);
                 let next = root - value / slope;
@@ -221,30 +221,30 @@ impl SecularEquation {
                 }
             }
             mean = root.re;
-            half_difference_squared = -(root.im * root.im);
+            squared_half_difference = -(root.im * root.im);
         }
-        (found, EigenvaluePair { mean, half_difference_squared })
+        (found, EigenvaluePair { mean, squared_half_difference })
     }
 
     /// All roots by the Aberth–Ehrlich method; roots within rounding of the real axis are made real.
     pub(super) fn iterate_aberth(&self) -> [Complex64; MAX_VELOCITIES] {
         let mut roots = [Complex64::new(0.0, 0.0); MAX_VELOCITIES];
         let size = self.max_magnitude();
-        for (index, root) in roots.iter_mut().enumerate().take(self.count) {
+        for (index, root) in roots.iter_mut().enumerate().take(self.pole_count) {
             let weight = self.weights[index].abs();
             *root = Complex64::new(self.poles[index], 0.0)
                 + cr_from_polar(weight.max(1e-3 * size), 0.7 + 1.3 * index as f64);
         }
         for _ in 0..200 {
             let mut moved: f64 = 0.0;
-            for index in 0..self.count {
+            for index in 0..self.pole_count {
                 let x = roots[index];
                 let (value, slope) = self.evaluate_complex_polynomial(x);
                 if value.norm() == 0.0 {
                     continue;
                 }
                 let mut repulsion = Complex64::new(0.0, 0.0);
-                for other in (0..self.count).filter(|&other| other != index) {
+                for other in (0..self.pole_count).filter(|&other| other != index) {
                     repulsion += (x - roots[other]).inv();
                 }
                 let step = (slope / value - repulsion).inv();
@@ -258,7 +258,7 @@ impl SecularEquation {
             }
         }
         let limit = FLUTTER_TOLERANCE.sqrt() * size;
-        for root in &mut roots[..self.count] {
+        for root in &mut roots[..self.pole_count] {
             if root.im.abs() <= limit {
                 root.im = 0.0;
             }
@@ -269,7 +269,7 @@ impl SecularEquation {
     /// Whether q(x) proves that all eigenvalues are real: with three changes of sign, q has the opposite sign at `x` to
     /// its sign at the ends of an interval with an even number of roots.
     pub(super) fn has_real_roots_by_sign_at(&self, x: f64) -> bool {
-        let index = self.poles[..self.count].iter().take_while(|&&pole| pole < x).count();
+        let index = self.poles[..self.pole_count].iter().take_while(|&&pole| pole < x).count();
         !self.has_odd_root_count(index)
             && self.evaluate_polynomial(x).0 * self.sign_at_upper_end(index) < 0.0
     }

@@ -1,6 +1,6 @@
 //! All characteristic speeds for one wave normal.
 
-use super::eigenbasis::{EigenvalueGroups, identity};
+use super::eigenbasis::{EigenvalueGroups, new_identity};
 use super::elastic_waves::AcousticTensor3;
 use super::error::NormalSearchError;
 use super::rank_one::RankOneUpdate;
@@ -18,14 +18,14 @@ impl AcousticTensor3 {
         normal: [f64; 3],
     ) -> Result<Vec<Complex64>, NormalSearchError> {
         let tensor_update = self.project_update(update)?;
-        let (values, basis) = self.elastic_eigenbasis(&normal, &identity());
+        let (values, basis) = self.elastic_eigenbasis(&normal, &new_identity());
         let groups = EigenvalueGroups::new(&values[..self.velocity_count]);
         let secular = tensor_update.secular_equation_at(&normal, &basis, &groups);
         let mut roots: Vec<Complex64> = secular.unchanged_eigenvalues[..secular.unchanged_count]
             .iter()
             .map(|&x| Complex64::new(x, 0.0))
             .collect();
-        match (secular.count, secular.sign_changes()) {
+        match (secular.pole_count, secular.sign_changes()) {
             (0, _) => {}
             (2, _) => push_pair(&mut roots, &secular.solve_quadratic()),
             (count, 1) => {
@@ -53,6 +53,6 @@ impl AcousticTensor3 {
 
 /// Adds both roots of a pair.
 fn push_pair(roots: &mut Vec<Complex64>, pair: &EigenvaluePair) {
-    let root = Complex64::new(pair.half_difference_squared, 0.0).sqrt();
+    let root = Complex64::new(pair.squared_half_difference, 0.0).sqrt();
     roots.extend([pair.mean - root, pair.mean + root]);
 }

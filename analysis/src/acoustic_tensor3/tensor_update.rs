@@ -55,10 +55,10 @@ impl AcousticTensor3 {
         &self,
         update: &RankOneUpdate,
     ) -> Result<TensorUpdate, NormalSearchError> {
-        for vector in [&update.image, &update.covector] {
-            if vector.len() != self.stresses {
+        for vector in [&update.flow_image, &update.normal_image] {
+            if vector.len() != self.stress_count {
                 let given = vector.len();
-                return Err(NormalSearchError::LengthMismatch { given, needed: self.stresses });
+                return Err(NormalSearchError::LengthMismatch { given, needed: self.stress_count });
             }
         }
         let project = |vector: &[f64]| -> [[f64; 3]; MAX_VELOCITIES] {
@@ -67,12 +67,12 @@ impl AcousticTensor3 {
                     if v >= self.velocity_count {
                         return 0.0;
                     }
-                    (0..self.stresses)
+                    (0..self.stress_count)
                         .fold(0.0, |sum, s| sum + self.scaled_divergence[axis][(v, s)] * vector[s])
                 })
             })
         };
-        let (mut alpha, mut beta) = (project(&update.image), project(&update.covector));
+        let (mut alpha, mut beta) = (project(&update.flow_image), project(&update.normal_image));
         let norm = |rows: &[[f64; 3]; MAX_VELOCITIES]| {
             rows.iter().flatten().fold(0.0, |sum: f64, x| sum + x * x).sqrt()
         };

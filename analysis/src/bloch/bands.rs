@@ -1,4 +1,4 @@
-//! Lowest Bloch waves of a cell at a wave vector, with damping and polarisation, for cells with and without viscosity.
+//! Lowest Bloch waves of a cell at a wave vector, with decay rate and polarisation, for elastic and viscous joints.
 
 use super::cell::{Cell, CellModel, DegreeControl, Joint};
 use super::zone::ZonePoint;
@@ -6,43 +6,44 @@ use super::{BlochError, ensure};
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
 
-/// A Bloch wave.
+/// Frequency, decay rate and polarisation of a Bloch wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlochWave {
     /// Angular frequency Re ω, rad/s.
     pub frequency: f64,
     /// Decay rate Im ω of e^{iωt}, 1/s; zero without viscosity, negative for waves that grow.
     pub decay_rate: f64,
-    /// Share of the kinetic energy of the blocks in the displacement along κ: 1 for longitudinal, 0 for transverse waves,
-    /// ½ for rotating blocks; `None` at κ = 0 and with viscosity.
+    /// Share of the kinetic energy of the blocks in the displacement along κ: 1 for longitudinal, 0 for transverse
+    /// waves, ½ for rotating blocks; `None` at κ = 0 and with viscosity.
     pub longitudinal_share: Option<f64>,
 }
 
-/// Waves at a wave vector.
+/// Bloch waves at one wave vector.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WavesAt {
+pub struct WavesAtWaveVector {
     /// The lowest waves, ascending in frequency.
     pub waves: Vec<BlochWave>,
-    /// Least ω² of all waves of the discretisation, rad²/s²; without viscosity.
-    pub least_square: Option<f64>,
-    /// Largest rate −Im ω at which a mode grows, 1/s, those within rounding included; zero if all modes decay.
-    pub largest_growth: f64,
-    /// Bound on the rounding of the growth rate, 1/s.
+    /// Smallest ω² of all waves of the discretisation, rad²/s²; `None` with viscosity.
+    pub min_squared_frequency: Option<f64>,
+    /// Largest growth rate −Im ω of a mode, 1/s, also if it is within rounding; zero if all modes decay.
+    pub max_growth_rate: f64,
+    /// Bound on the rounding error of the growth rate, 1/s.
     pub growth_rounding: f64,
 }
 
-/// Solver for the lowest waves of a cell at a fixed degree of the polynomials.
+/// Solver for the lowest Bloch waves of a cell, with Legendre polynomials of a fixed degree.
 #[derive(Clone, Debug)]
 pub struct BandSolver {
     model: CellModel,
-    count: usize,
+    /// Number of waves at each wave vector.
+    wave_count: usize,
     is_viscous: bool,
-    /// Largest relative error of a frequency at the vertices, against the extrapolation to infinite degree; of the cell
-    /// without delays.
-    pub achieved: f64,
+    /// Estimate of the largest relative error of a frequency at the vertices of the path, by extrapolation to infinite
+    /// degree, for the cell without delayed openings.
+    pub frequency_error: f64,
 }
 
-/// Point of a path of the Brillouin zone.
+/// Point of a path in the Brillouin zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
     /// Distance along the path, 1/m.
@@ -51,7 +52,8 @@ pub struct PathPoint {
     pub wave_vector: [f64; 2],
 }
 
-/// Points of a path with `samples` steps on each side, and the distances of its vertices, 1/m.
+/// Samples a path of straight sides with `samples` steps on each side; returns the points, and the distances of its
+/// vertices along the path, 1/m.
 ///
 /// # Errors
 /// `samples` is 0.
@@ -81,7 +83,8 @@ pub fn sample_path(
 }
 
 impl BandSolver {
-    /// Chooses the degree for which the lowest `count` frequencies at the vertices of a path are as accurate as requested.
+    /// Creates a solver with the smallest degree for which the lowest `count` frequencies at the vertices of a path are
+    /// as accurate as requested.
     ///
     /// # Errors
     /// An iteration for eigenvalues does not converge.
@@ -92,7 +95,7 @@ impl BandSolver {
         control: &DegreeControl,
     ) -> Result<Self, BlochError> {
         let elastic = cell.map_joints(Joint::instantaneous);
-        let (mut degree, mut achieved) = (control.first, 0.0f64);
+        let (mut degree, mut frequency_error) = (control.first_degree, 0.0f64);
         for (i, point) in path.iter().enumerate() {
             if path[..i].contains(point) {
                 continue;
@@ -104,43 +107,43 @@ impl BandSolver {
             let errors = pairs
                 .filter(|(raw, _)| raw.abs() > floor)
                 .map(|(raw, best)| 0.5 * (raw - best).abs() / raw.abs());
-            achieved = errors.fold(achieved.max(found.achieved), f64::max);
+            frequency_error = errors.fold(frequency_error.max(found.frequency_error), f64::max);
         }
         Ok(Self {
             model: CellModel::new(cell, degree),
-            count,
+            wave_count: count,
             is_viscous: cell.is_viscous(),
-            achieved,
+            frequency_error,
         })
     }
 
-    /// Degree of the polynomials.
+    /// Degree of the Legendre polynomials.
     pub fn degree(&self) -> usize {
         self.model.degree()
     }
 
-    /// Galerkin matrices.
+    /// Galerkin matrices of the cell.
     pub const fn model(&self) -> &CellModel {
         &self.model
     }
 
-    /// The waves at the wave vector κ, 1/m.
+    /// Solves for the lowest waves at the wave vector κ, 1/m.
     ///
     /// # Errors
     /// κ is not finite, or the iteration for eigenvalues does not converge.
-    pub fn solve(&self, wave_vector: [f64; 2]) -> Result<WavesAt, BlochError> {
+    pub fn solve(&self, wave_vector: [f64; 2]) -> Result<WavesAtWaveVector, BlochError> {
         match self.is_viscous {
             true => self.solve_damped(wave_vector),
             false => self.solve_elastic(wave_vector),
         }
     }
 
-    fn solve_elastic(&self, wave_vector: [f64; 2]) -> Result<WavesAt, BlochError> {
-        let modes = self.model.modes(wave_vector, self.count, true)?;
+    fn solve_elastic(&self, wave_vector: [f64; 2]) -> Result<WavesAtWaveVector, BlochError> {
+        let modes = self.model.modes(wave_vector, self.wave_count, true)?;
         let length = wave_vector[0].root_sum_square(wave_vector[1]);
         let normal = (length > 0.0).then(|| wave_vector.map(|x| x / length));
         let waves = modes.frequencies().into_iter().enumerate().map(|(index, frequency)| {
-            let vector: Vec<Complex64> = modes.vectors.column(index).iter().copied().collect();
+            let vector: Vec<Complex64> = modes.eigenvectors.column(index).iter().copied().collect();
             BlochWave {
                 frequency,
                 decay_rate: 0.0,
@@ -148,18 +151,18 @@ impl BandSolver {
             }
         });
         let least = modes.squared_frequencies.first().copied();
-        Ok(WavesAt {
+        Ok(WavesAtWaveVector {
             waves: waves.collect(),
-            least_square: least,
-            largest_growth: (-least.unwrap_or(0.0)).max(0.0).sqrt(),
+            min_squared_frequency: least,
+            max_growth_rate: (-least.unwrap_or(0.0)).max(0.0).sqrt(),
             growth_rounding: modes.rounding.sqrt(),
         })
     }
 
-    fn solve_damped(&self, wave_vector: [f64; 2]) -> Result<WavesAt, BlochError> {
+    fn solve_damped(&self, wave_vector: [f64; 2]) -> Result<WavesAtWaveVector, BlochError> {
         let modes = self.model.damped_modes(wave_vector)?;
-        // The double eigenvalue zero of the two translations at κ = 0 is perturbed by the root of the rounding, relative to the largest
-        // frequency.
+        // The double eigenvalue zero of the two translations at κ = 0 is perturbed by the square root of the rounding,
+        // relative to the largest frequency.
         let largest = modes.frequencies.last().map_or(0.0, |omega| omega.norm());
         let growth_rounding = (modes.rounding * largest).sqrt();
         let is_zero = |omega: &Complex64| omega.norm() <= growth_rounding;
@@ -175,28 +178,27 @@ impl BandSolver {
             decay_rate: omega.im,
             longitudinal_share: None,
         }));
-        waves.truncate(self.count);
+        waves.truncate(self.wave_count);
         let rates = modes.frequencies.iter().map(|omega| omega.im);
         let growth = rates.chain(modes.decay_rates.iter().copied()).map(|rate| -rate);
-        Ok(WavesAt {
+        Ok(WavesAtWaveVector {
             waves,
-            least_square: None,
-            largest_growth: growth.fold(0.0, f64::max),
+            min_squared_frequency: None,
+            max_growth_rate: growth.fold(0.0, f64::max),
             growth_rounding,
         })
     }
 }
 
-impl WavesAt {
-    /// Whether no mode grows, within rounding.
+impl WavesAtWaveVector {
+    /// Whether no mode grows by more than rounding.
     pub fn is_stable(&self) -> bool {
-        self.largest_growth <= self.growth_rounding
+        self.max_growth_rate <= self.growth_rounding
     }
 }
 
 impl CellModel {
-    /// Share of the kinetic energy of the blocks, per density, in the displacement along the unit vector `normal`:
-    /// ∫|u·n|²/∫|u|².
+    /// Share ∫|u·n|²/∫|u|² of the displacement along the unit vector n = `normal`, integrated over all blocks.
     pub fn longitudinal_share(&self, unknowns: &[Complex64], normal: [f64; 2]) -> f64 {
         let count = (self.degree() + 1) * (self.degree() + 1);
         let (mut along, mut total) = (0.0, 0.0);
@@ -211,10 +213,10 @@ impl CellModel {
     }
 }
 
-/// Reorders the waves at consecutive points so that each index follows a branch: pairs of nearest complex frequencies,
-/// extrapolated linearly from the two points before; not across the `vertices` (distances), where branches have kinks.
-/// Without damping branches are followed by their order already.
-pub fn follow_branches(points: &[PathPoint], vertices: &[f64], waves: &mut [WavesAt]) {
+/// Reorders damped waves at consecutive points so that each index follows a branch: complex frequencies are
+/// extrapolated linearly from the two previous points and matched to the nearest ones, but not across the `vertices`
+/// (distances, 1/m), where branches have kinks. Branches of undamped waves are already ordered by frequency.
+pub fn follow_branches(points: &[PathPoint], vertices: &[f64], waves: &mut [WavesAtWaveVector]) {
     let omega = |wave: &BlochWave| Complex64::new(wave.frequency, wave.decay_rate);
     for i in 1..waves.len() {
         let (before, rest) = waves.split_at_mut(i);
@@ -239,16 +241,18 @@ pub fn follow_branches(points: &[PathPoint], vertices: &[f64], waves: &mut [Wave
             }
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut places: Vec<Option<usize>> = vec![None; found.len()];
+        let mut assigned_indices: Vec<Option<usize>> = vec![None; found.len()];
         for (_, branch, index) in pairs {
-            let is_taken = places.contains(&Some(branch));
-            if branch < found.len() && !is_taken && places[index].is_none() {
-                places[index] = Some(branch);
+            let is_taken = assigned_indices.contains(&Some(branch));
+            if branch < found.len() && !is_taken && assigned_indices[index].is_none() {
+                assigned_indices[index] = Some(branch);
             }
         }
-        let mut free = (0..found.len()).filter(|branch| !places.contains(&Some(*branch)));
-        let order: Vec<usize> =
-            places.iter().map(|place| place.or_else(|| free.next()).unwrap_or(0)).collect();
+        let mut free = (0..found.len()).filter(|branch| !assigned_indices.contains(&Some(*branch)));
+        let order: Vec<usize> = assigned_indices
+            .iter()
+            .map(|place| place.or_else(|| free.next()).unwrap_or(0))
+            .collect();
         let mut ordered = found.clone();
         for (wave, place) in found.iter().zip(order) {
             ordered[place] = *wave;

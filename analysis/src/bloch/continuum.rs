@@ -6,8 +6,8 @@ use models::elastoplastic::Solid;
 use models::solid::ElasticLaw;
 use models::solid::parameters::PlaneCompliances;
 
-/// Angular frequencies of the three plane waves of a Cosserat solid in plane strain at the wave vector κ, 1/m, ascending,
-/// rad/s; two are zero at κ = 0, the third is ω*.
+/// Angular frequencies of the three plane waves of a Cosserat solid in plane strain at the wave vector κ, 1/m,
+/// ascending, rad/s; two are zero at κ = 0, the third is ω*.
 pub fn continuum_frequencies(solid: &PlaneCompliances, wave_vector: [f64; 2]) -> Vec<f64> {
     let length = wave_vector[0].root_sum_square(wave_vector[1]);
     let [x, y] = match length > 0.0 {

@@ -5,7 +5,7 @@ use super::{BlochError, ensure};
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
-/// Point of the Brillouin zone with a name.
+/// Named vertex of the Brillouin zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZonePoint {
     /// Name: Γ, X, M, Y.
@@ -19,12 +19,12 @@ pub struct ZonePoint {
 pub struct BandStructure {
     /// Vertices of the path with their distance along the path, 1/m.
     pub vertices: Vec<(f64, ZonePoint)>,
-    /// Samples in the order of the path.
+    /// Frequencies at points along the path, in its order.
     pub samples: Vec<BandSample>,
-    /// Degree of the polynomials.
+    /// Degree of the Legendre polynomials.
     pub degree: usize,
-    /// Largest relative error of a frequency at the vertices, against the extrapolation to infinite degree.
-    pub achieved: f64,
+    /// Estimate of the largest relative error of a frequency at the vertices, by extrapolation to infinite degree.
+    pub frequency_error: f64,
     /// Whether all frequencies of all samples are real within rounding: no wave grows.
     pub is_stable: bool,
 }
@@ -43,11 +43,11 @@ pub struct BandSample {
 /// Total band gap: an interval of angular frequencies without Bloch wave of any wave vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TotalGap {
-    /// Number of branches below.
+    /// Number of branches below the gap.
     pub bands_below: usize,
-    /// Lower end, rad/s, and the wave vector of the largest frequency below.
+    /// Lower edge, rad/s: the largest frequency of the band below, with its wave vector, 1/m.
     pub lower: (f64, [f64; 2]),
-    /// Upper end, rad/s, and the wave vector of the least frequency above.
+    /// Upper edge, rad/s: the smallest frequency of the band above, with its wave vector, 1/m.
     pub upper: (f64, [f64; 2]),
 }
 
@@ -60,10 +60,11 @@ pub struct LongWaveSpeeds {
     pub error: f64,
 }
 
-/// Phase shifts |κ|h of the extrapolation κ → 0, h the larger period; each half the one before.
+/// Phase shifts |κ|h, rad, from which speeds are extrapolated to κ → 0, with the larger period h; each half the one
+/// before.
 const LONG_WAVE_SHIFTS: [f64; 3] = [0.2, 0.1, 0.05];
-/// Halvings of the step of the compass search for a band edge.
-const SEARCH_HALVINGS: usize = 12;
+/// Number of halvings of the step in the compass search (pattern search) for a band edge.
+const COMPASS_SEARCH_HALVINGS: usize = 12;
 
 impl Cell {
     /// Vertices of the Brillouin zone of the cell: Γ, X = (π/H₁, 0), M = (π/H₁, π/H₂) and Y = (0, π/H₂).
@@ -73,7 +74,7 @@ impl Cell {
         [point("Γ", [0.0, 0.0]), point("X", [x, 0.0]), point("M", [x, y]), point("Y", [0.0, y])]
     }
 
-    /// The path Γ–X–M–Γ, continued to Y if the periods differ.
+    /// Vertices of the path Γ–X–M–Γ, continued to Y if the periods differ.
     pub fn standard_path(&self) -> Vec<ZonePoint> {
         let [gamma, x, m, y] = self.zone_points();
         let [width, height] = self.periods();
@@ -83,8 +84,9 @@ impl Cell {
         }
     }
 
-    /// The lowest `count` branches along a path with `samples` ≥ 1 steps on each side. The degree is the least even
-    /// one above `control.first` for which the frequencies at the vertices are as accurate as requested.
+    /// Frequencies of the lowest `count` branches along a path with `samples` ≥ 1 steps on each side. From
+    /// `control.first_degree` the degree is raised by 2 until the frequencies at the vertices are as accurate as
+    /// requested.
     ///
     /// # Errors
     /// A wave vector is not finite, `samples` is 0, or an iteration for eigenvalues does not converge.
@@ -96,7 +98,7 @@ impl Cell {
         control: &DegreeControl,
     ) -> Result<BandStructure, BlochError> {
         ensure(samples > 0, "samples", samples, "at least 1")?;
-        let (mut degree, mut achieved) = (control.first, 0.0f64);
+        let (mut degree, mut frequency_error) = (control.first_degree, 0.0f64);
         for point in path {
             let converged = self.solve(point.wave_vector, count, control)?;
             degree = degree.max(converged.degree);
@@ -106,14 +108,14 @@ impl Cell {
             let errors = pairs
                 .filter(|(raw, _)| raw.abs() > floor)
                 .map(|(raw, best)| 0.5 * (raw - best).abs() / raw.abs());
-            achieved = errors.fold(achieved.max(converged.achieved), f64::max);
+            frequency_error = errors.fold(frequency_error.max(converged.frequency_error), f64::max);
         }
         let model = CellModel::new(self, degree);
         let mut structure = BandStructure {
             vertices: Vec::new(),
             samples: Vec::new(),
             degree,
-            achieved,
+            frequency_error,
             is_stable: true,
         };
         let mut add = |distance: f64, wave_vector: [f64; 2]| -> Result<(), BlochError> {
@@ -178,16 +180,16 @@ impl Cell {
 }
 
 impl CellModel {
-    /// The total band gaps among the lowest `count` branches, from `samples` × 2`samples` points of half the Brillouin
-    /// zone (ω(−κ) = ω(κ)) with its vertices; edges refined by a compass search. A band whose extreme lies between
-    /// samples outside the basin of the best sample may narrow a gap.
+    /// Total band gaps among the lowest `count` branches, from `samples` × 2`samples` wave vectors in half the
+    /// Brillouin zone (ω(−κ) = ω(κ)) and its vertices; a compass search refines the edges. The search is local: a gap
+    /// may be narrower if a band has another, larger extremum between samples.
     ///
     /// # Errors
     /// `samples` is 0, or an iteration for eigenvalues does not converge.
     pub fn total_gaps(&self, count: usize, samples: usize) -> Result<Vec<TotalGap>, BlochError> {
         ensure(samples > 0, "samples", samples, "at least 1")?;
         let steps = self.periods.map(|period| PI / period / samples as f64);
-        // Frequencies ascend: entry `band` is that of the branch.
+        // Frequencies ascend, so their index is that of the branch.
         let frequencies = |wave_vector: [f64; 2]| -> Result<Vec<f64>, BlochError> {
             Ok(self.modes(wave_vector, count, false)?.frequencies())
         };
@@ -213,7 +215,7 @@ impl CellModel {
         }
         let refine = |band: usize, start: (f64, [f64; 2]), sign: f64| {
             let (mut best, mut scale) = (start, 0.5);
-            for _ in 0..SEARCH_HALVINGS {
+            for _ in 0..COMPASS_SEARCH_HALVINGS {
                 let mut is_better = true;
                 while is_better {
                     is_better = false;
@@ -221,7 +223,7 @@ impl CellModel {
                         let [first, second] = best.1;
                         let at = [first + scale * x * steps[0], second + scale * y * steps[1]];
                         let frequency = frequencies(at)?.get(band).copied().unwrap_or(best.0);
-                        // Gains below 1e-12 are rounding.
+                        // Relative changes below 1e-12 are rounding.
                         if sign * (frequency - best.0) > 1e-12 * best.0 {
                             (best, is_better) = ((frequency, at), true);
                         }

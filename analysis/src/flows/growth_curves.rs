@@ -8,14 +8,15 @@ use std::f64::consts::PI;
 
 /// Number of intervals between the directions of a growth curve, two per degree; layers around degenerate directions
 /// are sampled geometrically in addition.
-const DIRECTIONS: usize = 360;
+const DIRECTION_INTERVALS: usize = 360;
 /// Geometric samples in a layer: decimal exponents of the distance (degrees) from a degenerate direction, as first
 /// exponent, step, count.
 const LAYER_SAMPLES: (f64, f64, usize) = (-9.0, 0.1, 90);
 
-/// Samples per decade of the wave number, and number of decades on both sides of the given wave number.
+/// Number of samples per decade of the wave number.
 const SAMPLES_PER_DECADE: i32 = 12;
-const DECADES: i32 = 4;
+/// Number of decades below the given wave number, and smallest number above it.
+const DECADES_PER_SIDE: i32 = 4;
 /// Maximum number of decades towards short waves, extended until the growth reaches its asymptote.
 const MAX_DECADES: i32 = 8;
 /// Relative difference from the asymptote below which growth counts as asymptotic.
@@ -23,12 +24,13 @@ const ASYMPTOTE_TOLERANCE: f64 = 0.02;
 /// Decades at the end of a curve to which an order is fitted.
 const FITTED_DECADES: i32 = 2;
 
-/// Coarse samples of the direction at every wave number for the largest growth rate, refined between neighbours; those
-/// in the layers are spaced as [`LAYER_SAMPLES`], with distances in rad.
+/// Number of uniform directions at every wave number in the search for the largest growth rate.
 const COARSE_DIRECTIONS: usize = 60;
+/// Geometric samples in a layer in this search, as [`LAYER_SAMPLES`] but with distances in rad.
 const COARSE_LAYER_SAMPLES: (f64, f64, usize) = (-10.0, 1.0 / 3.0, 28);
-/// Number of refined peaks, and of golden-section steps.
+/// Number of peaks of the growth rate over the direction that are refined.
 const REFINED_PEAKS: usize = 3;
+/// Number of golden-section steps of a refinement.
 const GOLDEN_SECTION_STEPS: usize = 28;
 
 /// Growth rates of a state at one wave number.
@@ -61,8 +63,8 @@ pub fn growth_by_direction(
     assessment: &Assessment,
     wave_number: f64,
 ) -> Vec<[f64; 2]> {
-    let step = 180.0 / DIRECTIONS as f64;
-    let mut degrees: Vec<f64> = (0..=DIRECTIONS).map(|i| i as f64 * step).collect();
+    let step = 180.0 / DIRECTION_INTERVALS as f64;
+    let mut degrees: Vec<f64> = (0..=DIRECTION_INTERVALS).map(|i| i as f64 * step).collect();
     for centre in assessment.degenerate_directions.iter().map(|d| d.angle.to_degrees()) {
         degrees.extend(geometric_samples(centre, LAYER_SAMPLES));
     }
@@ -79,7 +81,9 @@ pub fn decades_to_asymptote(
     assessment: &Assessment,
     wave_number: f64,
 ) -> i32 {
-    let Verdict::IllPosed { growth: Some(growth), .. } = assessment.verdict else { return DECADES };
+    let Verdict::IllPosed { growth: Some(growth), .. } = assessment.verdict else {
+        return DECADES_PER_SIDE;
+    };
     let directions = sample_directions(assessment);
     let is_asymptotic = |decades: &i32| {
         let k = wave_number * 10f64.powi(decades - FITTED_DECADES);
@@ -87,11 +91,11 @@ pub fn decades_to_asymptote(
         let asymptote = growth.coefficient * k.cr_powf(growth.order.to_f64());
         (rate / asymptote - 1.0).abs() < ASYMPTOTE_TOLERANCE
     };
-    let reached =
-        (DECADES..=MAX_DECADES).take_while(|&d| workspace.is_in_range(wave_number * 10f64.powi(d)));
+    let reached = (DECADES_PER_SIDE..=MAX_DECADES)
+        .take_while(|&d| workspace.is_in_range(wave_number * 10f64.powi(d)));
     let decades: Vec<i32> = reached.collect();
     let first_asymptotic = decades.iter().find(|d| is_asymptotic(d)).or(decades.last());
-    first_asymptotic.copied().unwrap_or(DECADES)
+    first_asymptotic.copied().unwrap_or(DECADES_PER_SIDE)
 }
 
 /// Growth rates against the wave number, from four decades below `wave_number` (1/m) to `decades` decades above it; the
@@ -108,7 +112,7 @@ pub fn growth_by_wave_number(
         Verdict::IllPosed { growth: None, direction } => Some(direction),
         _ => None,
     };
-    (-DECADES * SAMPLES_PER_DECADE..=decades * SAMPLES_PER_DECADE)
+    (-DECADES_PER_SIDE * SAMPLES_PER_DECADE..=decades * SAMPLES_PER_DECADE)
         .map(|step| {
             let wave_number =
                 wave_number * 10f64.cr_powf(f64::from(step) / f64::from(SAMPLES_PER_DECADE));

@@ -22,7 +22,7 @@ pub struct FlowWorkspace {
     pub pencil: Pencil,
 }
 
-/// Method of a verdict.
+/// Method by which a verdict is obtained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Route {
     /// Closed-form formula of the model.
@@ -105,7 +105,7 @@ impl FlowWorkspace {
         model: &Model,
         flow: &DeformingFlow,
     ) -> Result<Assessment, AnalysisError> {
-        model.symbol(flow, &mut self.system);
+        model.write_symbol(flow, &mut self.system);
         self.pencil.update(&self.system)?;
         Ok(growth::assess(&self.pencil))
     }
@@ -119,7 +119,7 @@ impl FlowWorkspace {
         model: &Model,
         flow: &DeformingFlow,
     ) -> Result<(Verdict, Route), AnalysisError> {
-        match model.closed_form(flow) {
+        match model.closed_form_verdict(flow) {
             Some(closed_form) => Ok((closed_form.into(), Route::ClosedForm)),
             None => Ok((self.assess(model, flow)?.verdict, Route::ModelBlind)),
         }

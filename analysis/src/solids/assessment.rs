@@ -79,8 +79,8 @@ impl Hyperbolicity {
     }
 
     fn from_extremes(extremes: &WaveExtremes) -> Self {
-        let SlowestSpeed { speed_squared, rounding, .. } = extremes.slowest;
-        match (extremes.flutter.is_some(), speed_squared < -rounding) {
+        let SlowestSpeed { squared_speed, rounding, .. } = extremes.slowest;
+        match (extremes.flutter.is_some(), squared_speed < -rounding) {
             (false, false) => Self::Hyperbolic,
             (true, false) => Self::Flutter,
             (false, true) => Self::ShearBand,
@@ -112,7 +112,7 @@ impl SolidAssessment {
 
     /// Whether the slowest speed is zero within rounding: a stationary discontinuity, or slip along layers.
     pub fn is_stationary(&self) -> bool {
-        self.extremes.slowest.speed_squared.abs() <= self.extremes.slowest.rounding
+        self.extremes.slowest.squared_speed.abs() <= self.extremes.slowest.rounding
     }
 }
 
@@ -127,7 +127,7 @@ impl AcousticTensorCache {
     /// Number of cached tensors: a map over a modulus needs one per value, and threads use several at once.
     const MAX_TENSORS: usize = 4;
 
-    fn get_or_compute(
+    fn find_or_compute(
         &self,
         elastic: ElasticLaw,
         rates: &RateEquations<3>,
@@ -233,7 +233,7 @@ impl<'a> SolidAssessor<'a> {
                     Some(own) if own.0 == solid.elastic_law => own,
                     _ => {
                         let tensor =
-                            self.cache.get_or_compute(solid.elastic_law.clone(), &elastic)?;
+                            self.cache.find_or_compute(solid.elastic_law.clone(), &elastic)?;
                         let workspace = tensor.new_workspace();
                         (solid.elastic_law.clone(), tensor, workspace)
                     }
@@ -247,11 +247,11 @@ impl<'a> SolidAssessor<'a> {
             return Ok(symmetric_assessment(extremes));
         }
         let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
-        let SlowestSpeed { speed_squared, rounding, .. } = extremes.slowest;
+        let SlowestSpeed { squared_speed, rounding, .. } = extremes.slowest;
         let (verdict, normal) = match hyperbolicity {
-            Hyperbolicity::Hyperbolic if speed_squared <= rounding => {
+            Hyperbolicity::Hyperbolic if squared_speed <= rounding => {
                 let quantity = "least squared speed over all directions".into();
-                (Verdict::Marginal { quantity, value: speed_squared, rounding }, None)
+                (Verdict::Marginal { quantity, value: squared_speed, rounding }, None)
             }
             Hyperbolicity::Hyperbolic => (Verdict::WellPosed, None),
             _ => growth_verdict(&extremes),
@@ -263,11 +263,15 @@ impl<'a> SolidAssessor<'a> {
 /// Verdict from complex or imaginary speeds, with the wave normal of the fastest growth.
 fn growth_verdict(extremes: &WaveExtremes) -> (Verdict, Option<[f64; 3]>) {
     let normal = match extremes.flutter {
-        Some(Flutter { growth, normal, .. }) if growth >= extremes.growth() => normal,
+        Some(Flutter { max_imaginary_speed, normal, .. })
+            if max_imaginary_speed >= extremes.max_imaginary_speed() =>
+        {
+            normal
+        }
         _ => extremes.slowest.normal,
     };
     let order = GrowthOrder { numerator: 1, denominator: 1 };
-    let growth = Growth { order, coefficient: extremes.growth() };
+    let growth = Growth { order, coefficient: extremes.max_imaginary_speed() };
     let direction = angles_deg(normal)[0].to_radians();
     (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
 }
@@ -276,7 +280,7 @@ fn growth_verdict(extremes: &WaveExtremes) -> (Verdict, Option<[f64; 3]>) {
 fn symmetric_assessment(mut extremes: WaveExtremes) -> SolidAssessment {
     // Every c² is real and nonnegative; values below zero are rounding.
     extremes.flutter = None;
-    extremes.slowest.speed_squared = extremes.slowest.speed_squared.max(0.0);
+    extremes.slowest.squared_speed = extremes.slowest.squared_speed.max(0.0);
     SolidAssessment {
         verdict: Verdict::WellPosed,
         normal: None,
@@ -292,6 +296,6 @@ fn slowest_elastic_wave(elastic: &RateEquations<3>) -> WaveExtremes {
     let normal = [1.0, 0.0, 0.0];
     let speeds = squared_speeds(elastic, normal);
     let moving = speeds.iter().map(|c| c.re).filter(|&c| c > 1e-13 * speeds[0].re);
-    let speed_squared = moving.fold(f64::INFINITY, f64::min);
-    WaveExtremes { flutter: None, slowest: SlowestSpeed { speed_squared, normal, rounding: 0.0 } }
+    let squared_speed = moving.fold(f64::INFINITY, f64::min);
+    WaveExtremes { flutter: None, slowest: SlowestSpeed { squared_speed, normal, rounding: 0.0 } }
 }

@@ -14,9 +14,10 @@ use num_complex::Complex64;
 const DIRECTIONS: usize = 721;
 /// Bisection steps for the end of a sector.
 const BISECTION_STEPS: usize = 45;
-/// Thresholds of zero relative to the largest c²: for real parts, and for imaginary parts, since a double root is
-/// perturbed by the square root of the rounding.
+/// Threshold of zero for the real part of c², relative to the largest c².
 const ZERO_SPEED_TOLERANCE: f64 = 1e-12;
+/// Threshold of zero for the imaginary part of c², relative to the largest c²: a double root is perturbed by the square
+/// root of the rounding.
 const COMPLEX_SPEED_TOLERANCE: f64 = 1e-6;
 
 /// Squared speeds in one direction, m²/s², by descending real part.
@@ -64,7 +65,7 @@ impl ZeroSpeedCause {
 }
 
 impl DirectionalSpeeds {
-    /// Number of directions of the [`curves`](Self::curves).
+    /// Number of directions in [`curves`](Self::curves), over half a turn with both ends.
     pub const DIRECTIONS: usize = DIRECTIONS;
 
     /// Computes the speeds of a solid; in space, for wave normals at `elevation` (rad) above the plane of x₁ and x₂.

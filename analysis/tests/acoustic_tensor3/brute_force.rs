@@ -18,8 +18,8 @@ fn squared_speeds_by_nalgebra(
     n: [f64; 3],
 ) -> Vec<(f64, f64)> {
     let tangent = elastic.stiffness_values()
-        - DVector::from_vec(update.image.clone())
-            * DVector::from_vec(update.covector.clone()).transpose();
+        - DVector::from_vec(update.flow_image.clone())
+            * DVector::from_vec(update.normal_image.clone()).transpose();
     let mut g = DMatrix::zeros(elastic.stress_count(), elastic.velocity_count());
     for (gradient, component) in elastic.gradient.iter().zip(n) {
         g += gradient * component;
@@ -70,25 +70,25 @@ fn compare_with_brute_force(
     let least = -maximise_by_pattern_search(slowest.0, 0.02, |n| -speeds(n).0).1;
     let own = &found.slowest;
     // The c² found by the search is not larger than that of brute force, and is an eigenvalue.
-    let difference = (own.speed_squared - least) / unit;
+    let difference = (own.squared_speed - least) / unit;
     assert!(difference < 1e-9, "{own:?}, brute force {least:e} at {:?}", slowest.0);
     let nearest = |n, re: f64, im: f64| {
         let there = squared_speeds_by_nalgebra(elastic, update, n);
         there.iter().fold(f64::INFINITY, |d, z| d.min((z.0 - re).hypot(z.1 - im))) / unit
     };
     // nalgebra computes a double root to the square root of the rounding only.
-    assert!(nearest(own.normal, own.speed_squared, 0.0) < 1e-6, "{own:?}");
+    assert!(nearest(own.normal, own.squared_speed, 0.0) < 1e-6, "{own:?}");
     worst[0] = worst[0].max(difference.abs());
     let growth = if flutter.1 > 0.0 {
         maximise_by_pattern_search(flutter.0, 0.02, |n| speeds(n).1).1
     } else {
         0.0
     };
-    let own = found.flutter.map_or(0.0, |flutter| flutter.growth);
+    let own = found.flutter.map_or(0.0, |flutter| flutter.max_imaginary_speed);
     let difference = (growth - own) / unit.sqrt();
     assert!(difference < 1e-8, "{:?}, brute force {growth:e} at {:?}", found.flutter, flutter.0);
     if let Some(flutter) = found.flutter {
-        let z = flutter.speed_squared;
+        let z = flutter.squared_speed;
         let distance = nearest(flutter.normal, z.re, z.im);
         assert!(distance < 1e-6, "{flutter:?} is off by {distance:e}");
     }
@@ -170,7 +170,7 @@ fn squared_speeds_agree_with_nalgebra() {
             let mut vector = || -> Vec<f64> {
                 (0..size).map(|_| random.signed_log_uniform(1e-3, 3.0)).collect()
             };
-            let update = RankOneUpdate { image: vector(), covector: vector() };
+            let update = RankOneUpdate { flow_image: vector(), normal_image: vector() };
             let n = Vector3::from_fn(|_, _| random.uniform(-1.0, 1.0)).normalize().into();
             let own = tensor.squared_speeds(&update, n).unwrap();
             let brute = squared_speeds_by_nalgebra(&elastic, &update, n);

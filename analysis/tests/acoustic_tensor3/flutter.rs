@@ -41,7 +41,7 @@ fn associated_flow_without_softening_has_no_negative_squared_speed() {
         let update = RankOneUpdate::new(&elastic, &normal, &normal, 0.0).unwrap();
         let found = search_extremes(&tensor, &update);
         assert_eq!(found.flutter, None);
-        assert!(found.slowest.speed_squared >= -found.slowest.rounding);
+        assert!(found.slowest.squared_speed >= -found.slowest.rounding);
     }
 }
 
@@ -62,37 +62,43 @@ fn classical_drucker_prager_solids_never_flutter() {
 }
 
 /// A classical isotropic solid with the yield normal `normal` and the flow direction `normal` plus a multiple (argument
-/// `part`) of `second_gradient`; `covector` is D applied to the normal. For a wave normal n the update of the acoustic
-/// tensor is −αβᵀ/ρ; with w_p = (n·α)(n·β)/ρ and w_s = α·β/ρ − w_p its discriminant is known in closed form.
+/// `flow_multiple`) of `second_gradient`; `normal_image` is D applied to the normal. For a wave normal n the update of
+/// the acoustic tensor is −αβᵀ/ρ; with w_p = (n·α)(n·β)/ρ and w_s = α·β/ρ − w_p its discriminant is known in closed
+/// form.
 struct FlutterCap<'a> {
     solid: &'a Isotropic,
     normal: Tensor,
     second_gradient: Tensor,
-    covector: Tensor,
+    normal_image: Tensor,
 }
 
 impl<'a> FlutterCap<'a> {
     fn new(solid: &'a Isotropic, [normal, other]: [Tensor; 2]) -> Self {
-        Self { solid, normal, second_gradient: other, covector: apply_hookes_law(solid, &normal) }
+        Self {
+            solid,
+            normal,
+            second_gradient: other,
+            normal_image: apply_hookes_law(solid, &normal),
+        }
     }
 
-    fn flow_direction(&self, part: f64) -> Tensor {
+    fn flow_direction(&self, flow_multiple: f64) -> Tensor {
         std::array::from_fn(|i| {
-            std::array::from_fn(|j| self.normal[i][j] + part * self.second_gradient[i][j])
+            std::array::from_fn(|j| self.normal[i][j] + flow_multiple * self.second_gradient[i][j])
         })
     }
 
     /// Negative discriminant −[(c_p² − w_p − c_s² + w_s)² + 4 w_p w_s], in units of c_p⁴ with the pressure-wave speed
     /// c_p and the shear-wave speed c_s; positive in flutter, −1 without a rate response.
-    fn negative_discriminant(&self, part: f64, n: [f64; 3]) -> f64 {
-        let image = apply_hookes_law(self.solid, &self.flow_direction(part));
+    fn negative_discriminant(&self, flow_multiple: f64, n: [f64; 3]) -> f64 {
+        let image = apply_hookes_law(self.solid, &self.flow_direction(flow_multiple));
         let mut response = 0.0;
         let (mut a, mut b) = ([0.0; 3], [0.0; 3]);
         for i in 0..3 {
             for j in 0..3 {
                 response += self.normal[i][j] * image[i][j];
                 a[i] += image[i][j] * n[j];
-                b[i] += self.covector[i][j] * n[j];
+                b[i] += self.normal_image[i][j] * n[j];
             }
         }
         let dot = |x: [f64; 3], y: [f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
@@ -104,17 +110,17 @@ impl<'a> FlutterCap<'a> {
     }
 
     /// Direction in which the negative discriminant is largest, and its value there.
-    fn max_negative_discriminant(&self, part: f64) -> ([f64; 3], f64) {
+    fn max_negative_discriminant(&self, flow_multiple: f64) -> ([f64; 3], f64) {
         let start =
             fibonacci_directions(1000).fold(([0.0; 3], -1.0), |best: ([f64; 3], f64), n| {
-                let value = self.negative_discriminant(part, n);
+                let value = self.negative_discriminant(flow_multiple, n);
                 if value > best.1 { (n, value) } else { best }
             });
-        maximise_by_pattern_search(start.0, 0.05, |n| self.negative_discriminant(part, n))
+        maximise_by_pattern_search(start.0, 0.05, |n| self.negative_discriminant(flow_multiple, n))
     }
 
     /// Largest radius of the cap of flutter around `centre`, rad, over 16 directions.
-    fn radius(&self, part: f64, centre: [f64; 3]) -> f64 {
+    fn max_cap_radius(&self, flow_multiple: f64, centre: [f64; 3]) -> f64 {
         let centre = Vector3::from(centre);
         let first = centre.cross(&Vector3::new(0.3, -0.5, 0.8)).normalize();
         let second = centre.cross(&first);
@@ -124,7 +130,7 @@ impl<'a> FlutterCap<'a> {
             let (mut inside, mut outside) = (0.0, 1.0);
             while outside - inside > 1e-6 {
                 let middle = 0.5 * (inside + outside);
-                if self.negative_discriminant(part, at(middle)) > 0.0 {
+                if self.negative_discriminant(flow_multiple, at(middle)) > 0.0 {
                     inside = middle
                 } else {
                     outside = middle
@@ -163,12 +169,12 @@ fn small_caps_of_flutter_are_found_in_every_orientation() {
         // Shrink the cap to the target radius by approaching associated flow.
         for (target, count) in [1.0_f64, 0.3, 0.1].iter().zip(&mut counts) {
             for _ in 0..60 {
-                let part = 0.5 * (none + some);
-                let next = cap.max_negative_discriminant(part);
-                if next.1 > 0.0 && cap.radius(part, next.0) > target.to_radians() {
-                    (some, peak) = (part, next);
+                let flow_multiple = 0.5 * (none + some);
+                let next = cap.max_negative_discriminant(flow_multiple);
+                if next.1 > 0.0 && cap.max_cap_radius(flow_multiple, next.0) > target.to_radians() {
+                    (some, peak) = (flow_multiple, next);
                 } else {
-                    none = part;
+                    none = flow_multiple;
                 }
                 if some - none < 1e-14 {
                     break;
@@ -189,7 +195,8 @@ fn small_caps_of_flutter_are_found_in_every_orientation() {
                 let Some(flutter) = found.flutter else {
                     panic!("missed: a cap of {target}°, depth {:e}, {solid:?}", peak.1)
                 };
-                smallest_growth = smallest_growth.min(flutter.growth / solid.speeds().longitudinal);
+                smallest_growth =
+                    smallest_growth.min(flutter.max_imaginary_speed / solid.speeds().longitudinal);
             }
             *count += 1;
             none = 0.0;

@@ -52,12 +52,12 @@ fn shear_bands_start_at_the_hardening_of_rudnicki_and_rice() {
         let bulk = solid.lambda + 2.0 / 3.0 * shear;
         let least = -shear - bulk * friction * dilatancy;
         let (mut below, mut above) = (least + 1e-3 * shear, expected.max(0.0) + shear);
-        assert!(with(above).unwrap().slowest.speed_squared > 0.0);
+        assert!(with(above).unwrap().slowest.squared_speed > 0.0);
         let mut onset = None;
         while above - below > 1e-13 * shear {
             let hardening = 0.5 * (below + above);
             let slowest = with(hardening).unwrap().slowest;
-            if slowest.speed_squared <= 0.0 {
+            if slowest.squared_speed <= 0.0 {
                 below = hardening;
                 onset = Some(slowest.normal);
             } else {

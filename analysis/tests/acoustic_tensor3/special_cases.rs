@@ -1,4 +1,4 @@
-//! Tests of refused input, and of spins without couple stress.
+//! Tests of rejected input, and of spins without couple stress.
 
 use crate::random_solids::{random_isotropic, search_extremes};
 use crate::support::states::seeded_generator;
@@ -20,10 +20,10 @@ fn invalid_input_is_rejected() {
     assert!(matches!(refused, Err(NormalSearchError::NoResponse(response)) if response < 0.0));
     let tensor = AcousticTensor3::new(&elastic).unwrap();
     let mut update = RankOneUpdate::new(&elastic, &normal, &normal, 0.0).unwrap();
-    update.image[0] = f64::NAN;
+    update.flow_image[0] = f64::NAN;
     let mut workspace = tensor.new_workspace();
     assert_eq!(tensor.search_extremes(&update, &mut workspace), Err(NormalSearchError::NotFinite));
-    update.image.clear();
+    update.flow_image.clear();
     let refused = tensor.search_extremes(&update, &mut workspace);
     assert_eq!(refused, Err(NormalSearchError::LengthMismatch { given: 0, needed: 6 }));
     elastic.stiffness[(0, 0)] = Rounded::from_exact(-1.0);
@@ -40,8 +40,8 @@ fn spins_without_couple_stress_carry_no_waves() {
     let microrotation = Some(Microrotation { alpha: 0.3, inertia: 1.0, couple: None });
     let solid = Isotropic { lambda: 1.0, mu: 1.0, density: 1.0, microrotation };
     let tensor = AcousticTensor3::new(&solid.rates()).unwrap();
-    let none = RankOneUpdate { image: vec![0.0; 9], covector: vec![0.0; 9] };
+    let none = RankOneUpdate { flow_image: vec![0.0; 9], normal_image: vec![0.0; 9] };
     let found = search_extremes(&tensor, &none);
-    assert!((found.slowest.speed_squared - 1.3).abs() < 1e-14);
-    assert_eq!(found.growth(), 0.0);
+    assert!((found.slowest.squared_speed - 1.3).abs() < 1e-14);
+    assert_eq!(found.max_imaginary_speed(), 0.0);
 }

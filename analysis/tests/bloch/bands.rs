@@ -1,43 +1,49 @@
-//! Waves at wave vectors with damping and polarisation, joints from laws of layers, waves of the continuum.
+//! Bloch waves with decay rate and polarisation, joints from laws of layers, plane waves of the equivalent continuum.
 
-use crate::media::medium;
+use crate::media::build_medium;
 use models::interface::parameters::{LayerMaterial, MassDistribution, ViscousConstants};
 use std::f64::consts::PI;
 use wellposed_analysis::bloch::bands::{
-    BandSolver, BlochWave, PathPoint, WavesAt, follow_branches, sample_path,
+    BandSolver, BlochWave, PathPoint, WavesAtWaveVector, follow_branches, sample_path,
 };
 use wellposed_analysis::bloch::cell::{BlockRow, Cell, CellBlock, CellModel, DegreeControl, Joint};
 use wellposed_analysis::bloch::continuum::continuum_frequencies;
 
-const CONTROL: DegreeControl = DegreeControl { tolerance: 1e-4, first: 4, largest: 6 };
+const DEGREE_CONTROL: DegreeControl =
+    DegreeControl { tolerance: 1e-4, first_degree: 4, largest_degree: 6 };
 
-/// Cell of one block with joints of a law.
-fn cell(law: &LayerMaterial) -> Cell {
+/// Cell of one block whose joints have the given law.
+fn build_cell(law: &LayerMaterial) -> Cell {
     let joint = Joint::from_law(law, MassDistribution::Box);
-    let block = CellBlock { width: 0.05, material: medium(5e-3).block, right: joint, top: joint };
+    let block = CellBlock {
+        width: 0.05,
+        material: build_medium(5e-3).block,
+        right_joint: joint,
+        top_joint: joint,
+    };
     Cell::new(vec![BlockRow { height: 0.05, offset: 0.0, blocks: vec![block] }]).expect("valid")
 }
 
-/// Viscous layer with the instantaneous stiffness of the elastic one, delayed by the time `retardation`, s.
-fn viscous_law(thickness: f64, retardation: f64) -> LayerMaterial {
-    let elastic = medium(thickness).layer;
+/// Viscous layer with the instantaneous stiffness of the elastic one, delayed by the time `retardation_time`, s.
+fn viscous_law(thickness: f64, retardation_time: f64) -> LayerMaterial {
+    let elastic = build_medium(thickness).layer;
     let instantaneous = 1.0 / (elastic.density * elastic.shear_speed.powi(2));
     let delayed_compliance = 2.0 * instantaneous;
-    let viscosity = retardation / delayed_compliance;
+    let viscosity = retardation_time / delayed_compliance;
     LayerMaterial::Viscous(elastic, ViscousConstants { delayed_compliance, viscosity })
 }
 
 #[test]
-fn waves_are_those_of_the_band_structure() {
-    let own = medium(5e-3);
-    let cell = cell(&LayerMaterial::Elastic(own.layer));
+fn solver_agrees_with_band_structure() {
+    let own = build_medium(5e-3);
+    let cell = build_cell(&LayerMaterial::Elastic(own.layer));
     assert_eq!(cell, Cell::from_medium(&own, false).expect("valid"));
     let path = cell.standard_path();
-    let solver = BandSolver::new(&cell, &path, 5, &CONTROL).expect("solved");
-    let structure = cell.band_structure(&path, 5, 3, &CONTROL).expect("solved");
+    let solver = BandSolver::new(&cell, &path, 5, &DEGREE_CONTROL).expect("solved");
+    let structure = cell.band_structure(&path, 5, 3, &DEGREE_CONTROL).expect("solved");
     let (points, vertices) = sample_path(&path, 3).expect("a path");
     assert_eq!(solver.degree(), structure.degree);
-    assert_eq!(solver.achieved, structure.achieved);
+    assert_eq!(solver.frequency_error, structure.frequency_error);
     assert_eq!(vertices.len(), structure.vertices.len());
     for (point, sample) in points.iter().zip(&structure.samples) {
         assert_eq!((point.distance, point.wave_vector), (sample.distance, sample.wave_vector));
@@ -51,11 +57,12 @@ fn waves_are_those_of_the_band_structure() {
     }
 }
 
-/// Long waves along an axis and a diagonal are transverse and longitudinal; the third branch is the rotation of blocks.
+/// Verifies that long waves along an axis and a diagonal are transverse and longitudinal, and that the third branch is
+/// the rotation of blocks.
 #[test]
-fn polarisation_of_long_waves() {
-    let cell = cell(&LayerMaterial::Elastic(medium(5e-3).layer));
-    let solver = BandSolver::new(&cell, &cell.standard_path(), 4, &CONTROL).expect("solved");
+fn long_waves_are_transverse_and_longitudinal() {
+    let cell = build_cell(&LayerMaterial::Elastic(build_medium(5e-3).layer));
+    let solver = BandSolver::new(&cell, &cell.standard_path(), 4, &DEGREE_CONTROL).expect("solved");
     for wave_vector in [[1.0, 0.0], [0.7, 0.7]] {
         let waves = solver.solve(wave_vector).expect("solved").waves;
         let shares: Vec<f64> =
@@ -67,8 +74,8 @@ fn polarisation_of_long_waves() {
     assert!(at_rest.iter().all(|wave| wave.longitudinal_share.is_none()));
 }
 
-/// Viscous joints: all waves decay; slow waves have the stiffness of slow loads, fast relaxation and no relaxation give
-/// the undamped frequencies of both limits.
+/// Verifies that all waves in viscous joints decay, and that they have the undamped frequencies of the relaxed
+/// stiffness for fast relaxation and of the instantaneous stiffness for slow relaxation.
 #[test]
 fn viscous_joints_damp_waves() {
     let wave_vector = [0.4 / 0.05, 0.3 / 0.05];
@@ -76,26 +83,27 @@ fn viscous_joints_damp_waves() {
         let modes = CellModel::new(cell, 4).modes(wave_vector, 3, false).expect("solved");
         modes.frequencies()
     };
-    for (retardation, is_relaxed) in [(1e-7, true), (1.0, false)] {
-        let cell = cell(&viscous_law(5e-3, retardation));
+    for (retardation_time, is_relaxed) in [(1e-7, true), (1.0, false)] {
+        let cell = build_cell(&viscous_law(5e-3, retardation_time));
         assert!(cell.is_viscous());
         let limit = match is_relaxed {
             true => cell.map_joints(Joint::relaxed),
             false => cell.map_joints(Joint::instantaneous),
         };
         assert!(!limit.is_viscous());
-        let solver = BandSolver::new(&cell, &cell.standard_path(), 3, &CONTROL).expect("solved");
+        let solver =
+            BandSolver::new(&cell, &cell.standard_path(), 3, &DEGREE_CONTROL).expect("solved");
         let found = solver.solve(wave_vector).expect("solved");
-        assert!(found.is_stable(), "{} {}", found.largest_growth, found.growth_rounding);
+        assert!(found.is_stable(), "{} {}", found.max_growth_rate, found.growth_rounding);
         for (wave, expected) in found.waves.iter().zip(frequencies(&limit)) {
             let error = wave.frequency / expected - 1.0;
-            println!("τ = {retardation} s: {wave:?}, {error:e}");
+            println!("τ = {retardation_time} s: {wave:?}, {error:e}");
             // The degrees of both solvers differ.
             assert!(error.abs() < 2e-3 && wave.decay_rate > 0.0);
         }
     }
-    let cell = cell(&viscous_law(5e-3, 2e-5));
-    let solver = BandSolver::new(&cell, &cell.standard_path(), 4, &CONTROL).expect("solved");
+    let cell = build_cell(&viscous_law(5e-3, 2e-5));
+    let solver = BandSolver::new(&cell, &cell.standard_path(), 4, &DEGREE_CONTROL).expect("solved");
     let at_rest = solver.solve([0.0; 2]).expect("solved");
     println!("{at_rest:?}");
     let frequencies: Vec<f64> = at_rest.waves.iter().map(|wave| wave.frequency).collect();
@@ -105,7 +113,7 @@ fn viscous_joints_damp_waves() {
     assert!((near[2] / frequencies[2] - 1.0).abs() < 1e-2, "{near:?} {frequencies:?}");
 }
 
-/// Two crossing branches with different damping, listed by frequency, are followed through the crossing.
+/// Verifies that two crossing branches with different damping, listed by frequency, are followed through the crossing.
 #[test]
 fn branches_are_followed_through_crossings() {
     let wave = |frequency: f64, decay_rate: f64| BlochWave {
@@ -116,12 +124,17 @@ fn branches_are_followed_through_crossings() {
     let points: Vec<PathPoint> = (0..=20)
         .map(|i| PathPoint { distance: f64::from(i), wave_vector: [f64::from(i), 0.0] })
         .collect();
-    let mut waves: Vec<WavesAt> = points
+    let mut waves: Vec<WavesAtWaveVector> = points
         .iter()
         .map(|point| {
             let mut waves = vec![wave(2.0 + point.distance, 0.1), wave(12.3, 3.0)];
             waves.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
-            WavesAt { waves, least_square: None, largest_growth: 0.0, growth_rounding: 0.0 }
+            WavesAtWaveVector {
+                waves,
+                min_squared_frequency: None,
+                max_growth_rate: 0.0,
+                growth_rounding: 0.0,
+            }
         })
         .collect();
     follow_branches(&points, &[0.0, 20.0], &mut waves);
@@ -129,8 +142,8 @@ fn branches_are_followed_through_crossings() {
 }
 
 #[test]
-fn waves_of_the_continuum() {
-    let constants = medium(5e-3).homogenise().expect("valid");
+fn continuum_waves_agree_with_homogenised_speeds() {
+    let constants = build_medium(5e-3).homogenise().expect("valid");
     let at_rest = continuum_frequencies(&constants.solid, [0.0; 2]);
     assert_eq!(at_rest[..2], [0.0; 2]);
     assert!((at_rest[2] / constants.natural_frequency - 1.0).abs() < 1e-12);
@@ -145,17 +158,17 @@ fn waves_of_the_continuum() {
     }
 }
 
-/// Writes the band structures of both kinds of joints for drawings.
+/// Writes the band structures of elastic and viscous joints to files for figures.
 #[test]
 #[ignore = "writes tables for drawings to the folder BANDS"]
 fn write_band_structures() {
     let folder = std::env::var("BANDS").expect("a folder");
-    let elastic = LayerMaterial::Elastic(medium(5e-3).layer);
+    let elastic = LayerMaterial::Elastic(build_medium(5e-3).layer);
     for (name, law) in [("elastic", elastic), ("viscous", viscous_law(5e-3, 2e-5))] {
-        let cell = cell(&law);
+        let cell = build_cell(&law);
         let path = cell.standard_path();
-        let solver = BandSolver::new(&cell, &path, 8, &CONTROL).expect("solved");
-        let constants = medium(5e-3).homogenise().expect("valid");
+        let solver = BandSolver::new(&cell, &path, 8, &DEGREE_CONTROL).expect("solved");
+        let constants = build_medium(5e-3).homogenise().expect("valid");
         let mut text = String::new();
         for point in sample_path(&path, 24).expect("a path").0 {
             let found = solver.solve(point.wave_vector).expect("solved");

@@ -1,7 +1,7 @@
 //! Cells of blocks: symmetries, chains, finite elements, rigid blocks, long waves, band structure.
 
 use crate::finite_elements;
-use crate::media::{THICKNESSES, medium, simple_chain};
+use crate::media::{THICKNESSES, build_medium, build_single_block_chain};
 use models::interface::homogenised::BlockMaterial;
 use models::interface::opening_line::LayerMass;
 use std::f64::consts::PI;
@@ -14,19 +14,25 @@ use wellposed_analysis::bloch::chain::ChainPolarisation::{Longitudinal, Transver
 /// Three wave vectors in different directions, in units of 1/h.
 const WAVE_VECTORS: [[f64; 2]; 3] = [[1.3, 0.0], [1.1, 1.1], [2.2, 0.9]];
 
-fn per_period(shifts: [f64; 2], period: f64) -> [f64; 2] {
+/// Wave vector, 1/m, of the phase shifts per period.
+fn wave_vector_from_shifts(shifts: [f64; 2], period: f64) -> [f64; 2] {
     shifts.map(|shift| shift / period)
 }
 
 /// Masonry of two rows with blocks of different widths and media and one cracked joint.
-fn masonry(offset: f64) -> Cell {
-    let [soft, stiff] = [medium(5e-3), medium(1e-3)];
+fn build_masonry(offset: f64) -> Cell {
+    let [soft, stiff] = [build_medium(5e-3), build_medium(1e-3)];
     let joint = Joint::from_layer(&soft.layer, false);
     let lumped = Joint::from_layer(&stiff.layer, true);
     let open = JointComponent { mass: LayerMass::new_box(0.0), stiffness: 0.0, delay: None };
     let cracked = Joint { normal: open, tangential: open };
     let other = BlockMaterial { density: 2000.0, longitudinal_speed: 4000.0, shear_speed: 2000.0 };
-    let block = |width, material, right, top| CellBlock { width, material, right, top };
+    let block = |width, material, right_joint, top_joint| CellBlock {
+        width,
+        material,
+        right_joint,
+        top_joint,
+    };
     Cell::new(vec![
         BlockRow {
             height: 0.05,
@@ -41,11 +47,11 @@ fn masonry(offset: f64) -> Cell {
     .expect("valid")
 }
 
-/// The matrices are Hermitian, frequencies even in κ, periodic in the reciprocal lattice, and do not depend on a common
-/// offset of the rows.
+/// Verifies that the matrices are Hermitian, frequencies even in κ, periodic in the reciprocal lattice, and do not
+/// depend on a common offset of the rows.
 #[test]
-fn symmetries() {
-    let model = CellModel::new(&masonry(0.03), 4);
+fn frequencies_have_the_symmetries_of_the_cell() {
+    let model = CellModel::new(&build_masonry(0.03), 4);
     let [width, height] = [0.1, 0.09];
     let squares = |model: &CellModel, at: [f64; 2]| {
         model.modes(at, 10, false).expect("modes").squared_frequencies
@@ -65,7 +71,7 @@ fn symmetries() {
         let other = [x + 2.0 * PI / width, y - 4.0 * PI / height];
         worst[2] = worst[2].max(change(squares(&model, other)));
         // Both rows moved by 0.07, the second also by a period.
-        let mut rows = masonry(0.03).rows().to_vec();
+        let mut rows = build_masonry(0.03).rows().to_vec();
         rows[0].offset += 0.07;
         rows[1].offset += 0.17;
         let moved = CellModel::new(&Cell::new(rows).expect("valid"), 4);
@@ -75,20 +81,22 @@ fn symmetries() {
     assert!(worst.iter().all(|&error| error < 1e-11), "{worst:?}");
 }
 
-/// Along an axis, with welded joints across the other, the branches include those of the chain for P and S. Welded joints:
-/// massless, of stiffness 1, 2 and 4 thousand times that of the block, extrapolated in 1/K.
+/// Verifies that along an axis, with welded joints normal to the other, the branches include those of the chain for
+/// longitudinal and transverse waves. Welded joints are massless, with stiffnesses K of 1000, 2000 and 4000 times that
+/// of the block, extrapolated in 1/K.
 #[test]
 fn cell_along_an_axis_equals_the_chain() {
     let mut worst = 0.0f64;
     for (thickness, is_lumped) in [(1e-4, false), (1e-3, false), (1e-3, true), (5e-3, false)] {
-        let medium = medium(thickness);
+        let medium = build_medium(thickness);
         let h = medium.period;
         let layer = Joint::from_layer(&medium.layer, is_lumped);
         let models = [1e3, 2e3, 4e3].map(|factor| {
             let stiffness = factor * medium.block.shear_modulus() / h;
             let weld = JointComponent { mass: LayerMass::new_box(0.0), stiffness, delay: None };
             let weld = Joint { normal: weld, tangential: weld };
-            let block = CellBlock { width: h, material: medium.block, right: layer, top: weld };
+            let block =
+                CellBlock { width: h, material: medium.block, right_joint: layer, top_joint: weld };
             let row = BlockRow { height: h, offset: 0.0, blocks: vec![block] };
             CellModel::new(&Cell::new(vec![row]).expect("valid"), 9)
         });
@@ -103,7 +111,7 @@ fn cell_along_an_axis_equals_the_chain() {
                 })
                 .collect();
             for (polarisation, branches) in [(Transverse, 2), (Longitudinal, 1)] {
-                let chain = simple_chain(&medium, is_lumped, polarisation);
+                let chain = build_single_block_chain(&medium, is_lumped, polarisation);
                 for branch in 0..branches {
                     let expected = chain.frequency(branch, shift).expect("a branch");
                     let error = |found: &f64| (found / expected - 1.0).abs();
@@ -120,18 +128,18 @@ fn cell_along_an_axis_equals_the_chain() {
     assert!(worst < 1e-9, "{worst:e}");
 }
 
-/// The six lowest branches in three directions equal bilinear finite elements extrapolated in the mesh width, for box and
-/// lumped masses.
+/// Verifies the six lowest branches in three directions against bilinear finite elements, extrapolated in the mesh
+/// width, for box and lumped masses.
 #[test]
 fn cell_equals_finite_elements_in_three_directions() {
     let meshes = [6, 8, 12, 16];
     let mut worst = 0.0f64;
     for (thickness, is_lumped) in [(1e-3, false), (5e-3, true)] {
-        let medium = medium(thickness);
+        let medium = build_medium(thickness);
         let cell = Cell::from_medium(&medium, is_lumped).expect("valid");
         let share = if is_lumped { 0.25 } else { 0.0 };
         for shifts in WAVE_VECTORS {
-            let at = per_period(shifts, medium.period);
+            let at = wave_vector_from_shifts(shifts, medium.period);
             let found = cell.solve(at, 4, &DegreeControl::default()).expect("modes");
             let elements =
                 meshes.map(|n| finite_elements::squared_frequencies(&medium, at, (n, 0), share, 4));
@@ -145,27 +153,29 @@ fn cell_equals_finite_elements_in_three_directions() {
                 );
                 worst = worst.max(error.abs());
             }
-            println!("degree {}, achieved {:.1e}", found.degree, found.achieved);
-            assert!(found.achieved <= 1e-6);
+            println!("degree {}, achieved {:.1e}", found.degree, found.frequency_error);
+            assert!(found.frequency_error <= 1e-6);
         }
     }
     println!("worst {worst:e}");
     assert!(worst < 1e-4, "{worst:e}");
 }
 
-/// Running bond, each row shifted by half a block: the frequencies of the cell of two rows are those of finite elements
-/// on the lattice (h, 0), (h/2, h) at κ and κ + (0, π/h), where κ₂ of both rows differs by the reciprocal lattice.
+/// Verifies, for running bond (each row shifted by half a block), that the cell of two rows has the frequencies of
+/// finite elements on the lattice (h, 0), (h/2, h) at κ and κ + (0, π/h), where κ₂ of both rows differs by the
+/// reciprocal lattice.
 #[test]
 fn running_bond_equals_finite_elements_on_an_oblique_lattice() {
     let meshes = [6, 8, 12, 16];
-    let medium = medium(5e-3);
+    let medium = build_medium(5e-3);
     let h = medium.period;
     let joint = Joint::from_layer(&medium.layer, false);
-    let block = CellBlock { width: h, material: medium.block, right: joint, top: joint };
+    let block =
+        CellBlock { width: h, material: medium.block, right_joint: joint, top_joint: joint };
     let row = |offset| BlockRow { height: h, offset, blocks: vec![block] };
     let cell = Cell::new(vec![row(0.0), row(0.5 * h)]).expect("valid");
-    let at = per_period([1.2, 0.8], h);
-    let control = DegreeControl { tolerance: 1e-9, first: 4, largest: 10 };
+    let at = wave_vector_from_shifts([1.2, 0.8], h);
+    let control = DegreeControl { tolerance: 1e-9, first_degree: 4, largest_degree: 10 };
     let found = cell.solve(at, 5, &control).expect("modes");
     let mut expected = Vec::new();
     for second in [at[1], at[1] + PI / h] {
@@ -186,17 +196,17 @@ fn running_bond_equals_finite_elements_on_an_oblique_lattice() {
         println!("{best:.3} rad/s: {error:.1e}, without extrapolation {raw:.1e}");
         worst = worst.max(error.abs());
     }
-    println!("degree {}, achieved {:.1e}, worst {worst:.1e}", found.degree, found.achieved);
-    assert!(worst < found.achieved && found.achieved < 1e-4);
+    println!("degree {}, achieved {:.1e}, worst {worst:.1e}", found.degree, found.frequency_error);
+    assert!(worst < found.frequency_error && found.frequency_error < 1e-4);
 }
 
-/// Long waves in three directions travel with the speeds of the homogenised Cosserat constants.
+/// Verifies the speeds of long waves in three directions against the homogenised Cosserat constants.
 #[test]
-fn long_wave_speeds_equal_the_homogenised_continuum() {
+fn long_wave_speeds_agree_with_homogenised_constants() {
     let mut worst = 0.0f64;
     for thickness in THICKNESSES {
         for is_lumped in [false, true] {
-            let medium = medium(thickness);
+            let medium = build_medium(thickness);
             let cell = Cell::from_medium(&medium, is_lumped).expect("valid");
             let constants = medium.homogenise().expect("valid");
             for degrees in [0.0f64, 20.0, 45.0] {
@@ -216,10 +226,10 @@ fn long_wave_speeds_equal_the_homogenised_continuum() {
     assert!(worst < 1e-7, "{worst:e}");
 }
 
-/// Almost rigid blocks: the transverse wave along x₁ has the frequencies of the lattice of rigid blocks, to first order
-/// in K_t h/μ.
+/// Verifies that the transverse wave along x₁ in almost rigid blocks has the frequencies of a lattice of rigid blocks,
+/// to first order in K_t h/μ (tangential stiffness K_t, side h, shear modulus μ).
 #[test]
-fn rigid_blocks_form_a_lattice() {
+fn nearly_rigid_blocks_agree_with_the_lattice_model() {
     let (normal, tangential) = (4.0, 1.0);
     let joint =
         |stiffness| JointComponent { mass: LayerMass::new_box(0.0), stiffness, delay: None };
@@ -231,7 +241,7 @@ fn rigid_blocks_form_a_lattice() {
             longitudinal_speed: 5.0 / 3.0 * speed,
             shear_speed: speed,
         };
-        let block = CellBlock { width: 1.0, material, right: joint, top: joint };
+        let block = CellBlock { width: 1.0, material, right_joint: joint, top_joint: joint };
         let row = BlockRow { height: 1.0, offset: 0.0, blocks: vec![block] };
         let model = CellModel::new(&Cell::new(vec![row]).expect("valid"), 6);
         let mut worst = 0.0f64;
@@ -256,25 +266,28 @@ fn rigid_blocks_form_a_lattice() {
     assert!((errors[1] / errors[2] - 1.0).abs() < 0.02, "{errors:?}");
 }
 
-/// Band structure along Γ–X–M–Γ; total gap below the vibrations inside blocks for thick soft layers, confirmed at wave
-/// vectors off the samples; stability, and instability at negative stiffness.
+/// Verifies the band structure along Γ–X–M–Γ, a total band gap below the vibrations inside blocks for thick soft layers
+/// (also at wave vectors that were not sampled), stability, and instability for negative stiffness.
 #[test]
-fn band_structure_gaps_and_stability() {
-    let medium = medium(5e-3);
+fn band_structure_has_a_gap_and_shows_instability() {
+    let medium = build_medium(5e-3);
     let cell = Cell::from_medium(&medium, true).expect("valid");
-    let control = DegreeControl { tolerance: 1e-3, first: 3, largest: 9 };
+    let control = DegreeControl { tolerance: 1e-3, first_degree: 3, largest_degree: 9 };
     let structure = cell.band_structure(&cell.standard_path(), 6, 4, &control).expect("bands");
     assert_eq!(structure.samples.len(), 13);
     let names: Vec<&str> = structure.vertices.iter().map(|(_, point)| point.name).collect();
     assert_eq!(names, ["Γ", "X", "M", "Γ"]);
-    assert_eq!(masonry(0.0).standard_path().last().map(|point| point.name), Some("Y"));
-    assert!(structure.is_stable && structure.achieved < 1e-2);
+    assert_eq!(build_masonry(0.0).standard_path().last().map(|point| point.name), Some("Y"));
+    assert!(structure.is_stable && structure.frequency_error < 1e-2);
     let model = CellModel::new(&cell, 5);
     let gaps = model.total_gaps(6, 4).expect("gaps");
-    println!("degree {}, achieved {:e}, gaps {gaps:?}", structure.degree, structure.achieved);
+    println!(
+        "degree {}, achieved {:e}, gaps {gaps:?}",
+        structure.degree, structure.frequency_error
+    );
     let gap = gaps.iter().find(|gap| gap.bands_below == 3).expect("a gap above the rigid modes");
     for i in 0..60 {
-        let at = per_period(
+        let at = wave_vector_from_shifts(
             [(f64::from(i) * 0.7548).fract(), (f64::from(i) * 0.5698).fract()]
                 .map(|x| PI * (2.0 * x - 1.0)),
             0.05,
@@ -285,20 +298,20 @@ fn band_structure_gaps_and_stability() {
     }
     // Softening joints: the verdict is unstable.
     let mut rows = cell.rows().to_vec();
-    rows[0].blocks[0].top.tangential.stiffness *= -0.5;
+    rows[0].blocks[0].top_joint.tangential.stiffness *= -0.5;
     let softening = CellModel::new(&Cell::new(rows).expect("valid"), 4);
     assert!(!softening.modes([0.0, 30.0], 4, false).expect("modes").is_stable());
 }
 
-/// Modes satisfy K u = ω² M u and are orthonormal; the displacement of a missing block is zero.
+/// Verifies that modes satisfy K u = ω² M u and are orthonormal, and that a missing block has zero displacement.
 #[test]
-fn vectors_are_modes() {
-    let model = CellModel::new(&masonry(0.03), 4);
+fn eigenvectors_solve_the_eigenproblem() {
+    let model = CellModel::new(&build_masonry(0.03), 4);
     let at = [12.0, -7.0];
     let modes = model.modes(at, 6, true).expect("modes");
     let [stiffness, mass] = model.matrices(at);
-    let gram = modes.vectors.adjoint() * &mass * &modes.vectors;
-    let energy = modes.vectors.adjoint() * &stiffness * &modes.vectors;
+    let gram = modes.eigenvectors.adjoint() * &mass * &modes.eigenvectors;
+    let energy = modes.eigenvectors.adjoint() * &stiffness * &modes.eigenvectors;
     let scale = modes.squared_frequencies[5];
     for i in 0..6 {
         for j in 0..6 {
@@ -308,26 +321,26 @@ fn vectors_are_modes() {
             assert!((energy[(i, j)] - expected).norm() < 1e-8 * scale);
         }
     }
-    let vector: Vec<_> = modes.vectors.column(0).iter().copied().collect();
+    let vector: Vec<_> = modes.eigenvectors.column(0).iter().copied().collect();
     assert!(model.displacement(&vector, 0, [0.3, -0.2])[0].norm() > 0.0);
     assert_eq!(model.displacement(&vector, 7, [0.0; 2])[1].norm(), 0.0);
 }
 
-/// Invalid cells give typed errors.
+/// Verifies that invalid cells are rejected with typed errors.
 #[test]
 fn invalid_cells_are_rejected() {
     let is_rejected = |rows: Vec<BlockRow>, name: &str| match Cell::new(rows) {
         Err(BlochError::Input(error)) => error.input == name,
         _ => false,
     };
-    let rows = masonry(0.0).rows().to_vec();
+    let rows = build_masonry(0.0).rows().to_vec();
     assert!(is_rejected(vec![], "rows"));
     let mut bad = rows.clone();
     bad[0].blocks[0].width = 0.07;
     assert!(is_rejected(bad, "width"));
     let mut bad = rows.clone();
-    bad[1].blocks[0].top.normal.stiffness = f64::INFINITY;
+    bad[1].blocks[0].top_joint.normal.stiffness = f64::INFINITY;
     assert!(is_rejected(bad, "stiffness"));
-    let model = CellModel::new(&masonry(0.0), 2);
+    let model = CellModel::new(&build_masonry(0.0), 2);
     assert!(model.modes([f64::NAN, 0.0], 2, false).is_err());
 }

@@ -1,6 +1,6 @@
 //! Chains of blocks and layers: published frequencies, closed forms, limits, and a scan of complex transfer matrices.
 
-use crate::media::{THICKNESSES, medium, random_elements, simple_chain};
+use crate::media::{THICKNESSES, build_medium, build_single_block_chain, random_chain_elements};
 use models::interface::opening_line::LayerMass;
 use nalgebra::Matrix2;
 use num_complex::Complex64;
@@ -13,16 +13,17 @@ use wellposed_analysis::bloch::chain::{
 
 use ChainPolarisation::{Longitudinal, Transverse};
 
-/// P waves of layers of 0.1, 1 and 5 mm: frequencies in kHz at κh = π/4, π/2, π to the five digits printed.
+/// Verifies frequencies of longitudinal waves for layers of 0.1, 1 and 5 mm, in kHz at κh = π/4, π/2, π, to the five
+/// published digits.
 #[test]
-fn frequencies_equal_the_table_to_the_digits_printed() {
+fn frequencies_agree_with_published_table() {
     let table = [
         ["11.96405", "23.91230", "45.89261"],
         ["8.96731", "17.56580", "28.44161"],
         ["5.11290", "9.73241", "14.47159"],
     ];
     for (thickness, printed) in THICKNESSES.into_iter().zip(table) {
-        let chain = simple_chain(&medium(thickness), false, Longitudinal);
+        let chain = build_single_block_chain(&build_medium(thickness), false, Longitudinal);
         for (shift, printed) in [0.25 * PI, 0.5 * PI, PI].into_iter().zip(printed) {
             let found = chain.frequency(0, shift).expect("a branch") / (1e3 * TAU);
             println!("δ = {thickness} m, κh = {shift:.4}: {found:.7} kHz");
@@ -31,9 +32,10 @@ fn frequencies_equal_the_table_to_the_digits_printed() {
     }
 }
 
-/// Half the trace equals the closed forms of one block with a box layer and with lumped masses.
+/// Verifies half the trace of the transfer matrix against closed forms of one block, with a box layer and with lumped
+/// masses.
 #[test]
-fn half_trace_equals_the_closed_forms() {
+fn half_trace_agrees_with_closed_forms() {
     let mut random = RandomNumbers::new(3);
     let mut worst = 0.0f64;
     for _ in 0..1000 {
@@ -92,14 +94,14 @@ fn complex_half_trace(elements: &[ChainElement], omega: f64) -> f64 {
     0.5 * product.trace().re
 }
 
-/// Random chains of one to three blocks: the branches equal the roots of an independent half trace found by a fine scan,
-/// and none is missing or found twice.
+/// Verifies, for random chains of one to three blocks, that the branches equal the roots of an independent half trace
+/// found by a fine scan, and none is missing or found twice.
 #[test]
 fn branches_equal_a_scan_of_complex_transfer_matrices() {
     let mut random = RandomNumbers::new(11);
     let (mut worst, mut roots, mut missed) = (0.0f64, 0, 0);
     for _ in 0..200 {
-        let elements = random_elements(&mut random);
+        let elements = random_chain_elements(&mut random);
         let chain = Chain::new(elements.clone()).expect("valid");
         let shift: f64 = random.uniform(0.02, PI - 0.02);
         let (max, steps) = (12.0 * chain.long_wave_speed() / chain.period(), 20_000);
@@ -139,15 +141,15 @@ fn branches_equal_a_scan_of_complex_transfer_matrices() {
     assert!(worst < 1e-11 && missed < 5, "{worst:e} {missed}");
 }
 
-/// Band edges of a box layer: tan ½θ = −r^±1 tan ½ψ at κh = 0, tan ½θ tan ½ψ = r^±1 at κh = π, r = z/z′; modes symmetric
-/// or antisymmetric about the block.
+/// Verifies the band edges of a box layer: tan ½θ = −r^±1 tan ½ψ at κh = 0, tan ½θ tan ½ψ = r^±1 at κh = π, r = z/z′;
+/// modes symmetric or antisymmetric about the block.
 #[test]
 fn band_edges_are_symmetric_and_antisymmetric_modes() {
     let mut worst = 0.0f64;
     for thickness in THICKNESSES {
         for polarisation in [Longitudinal, Transverse] {
-            let medium = medium(thickness);
-            let chain = simple_chain(&medium, false, polarisation);
+            let medium = build_medium(thickness);
+            let chain = build_single_block_chain(&medium, false, polarisation);
             let (c, k) = match polarisation {
                 Longitudinal => (5000.0, medium.layer_stiffness()[0]),
                 Transverse => (3000.0, medium.layer_stiffness()[1]),
@@ -155,7 +157,7 @@ fn band_edges_are_symmetric_and_antisymmetric_modes() {
             let m = medium.layer.mass();
             let r = 2700.0 * c / (m * k).sqrt();
             for band in 0..6 {
-                let [lower, upper] = chain.band(band).expect("a band");
+                let [lower, upper] = chain.band_edges(band).expect("a band");
                 assert_eq!(
                     upper,
                     chain.frequency(band, if band % 2 == 0 { PI } else { 0.0 }).expect("edge")
@@ -177,9 +179,10 @@ fn band_edges_are_symmetric_and_antisymmetric_modes() {
     assert!(worst < 1e-14, "{worst:e}");
 }
 
-/// Limits: welded layers give folded classical waves with all gaps closed; soft layers without mass give free blocks.
+/// Verifies two limits: welded layers give classical waves folded into the Brillouin zone, without gaps; soft massless
+/// layers give free blocks.
 #[test]
-fn limits_of_welded_and_of_soft_layers() {
+fn welded_and_soft_layers_reach_their_limits() {
     let chain = |compliance: f64, parts: usize| {
         let block =
             ChainElement::Block { length: 0.05 / parts as f64, speed: 5000.0, impedance: 1.35e7 };
@@ -219,12 +222,13 @@ fn limits_of_welded_and_of_soft_layers() {
     }
 }
 
-/// At long waves box and lumped masses agree to second order, with the speed of long waves; group speed and attenuation
-/// are derivatives and logarithms of the relation.
+/// Verifies that box and lumped masses agree for long waves to second order and have the long-wave speed, that the
+/// group speed is the slope of the branch, and the attenuation in gaps.
 #[test]
-fn long_waves_group_speed_and_attenuation() {
+fn long_waves_agree_and_group_speed_is_the_slope() {
     for thickness in THICKNESSES {
-        let chains = [false, true].map(|l| simple_chain(&medium(thickness), l, Longitudinal));
+        let chains = [false, true]
+            .map(|l| build_single_block_chain(&build_medium(thickness), l, Longitudinal));
         let speed = chains[0].long_wave_speed();
         assert_eq!(speed, chains[1].long_wave_speed());
         assert_eq!(chains[0].phase_speed(0, 0.0), Ok(speed));
@@ -246,10 +250,10 @@ fn long_waves_group_speed_and_attenuation() {
             for branch in 0..3 {
                 for shift in [0.3, 1.5, 2.9] {
                     let step = 1e-4;
-                    let difference = (at_branch(chain, branch, shift + step)
-                        - at_branch(chain, branch, shift - step))
+                    let difference = (branch_frequency(chain, branch, shift + step)
+                        - branch_frequency(chain, branch, shift - step))
                         / (2.0 * step);
-                    let frequency = at_branch(chain, branch, shift);
+                    let frequency = branch_frequency(chain, branch, shift);
                     let found = chain.group_speed(frequency).expect("a speed");
                     assert!((found / (0.05 * difference.abs()) - 1.0).abs() < 1e-6);
                     let complex = chain.complex_phase_shift(frequency).expect("a phase");
@@ -274,15 +278,15 @@ fn long_waves_group_speed_and_attenuation() {
     }
 }
 
-fn at_branch(chain: &Chain, branch: usize, shift: f64) -> f64 {
+fn branch_frequency(chain: &Chain, branch: usize, shift: f64) -> f64 {
     chain.frequency(branch, shift).expect("a branch")
 }
 
-/// Viscous layers: complex wave numbers at real frequencies, damped waves at real wave numbers, and both limits of the
-/// retardation time.
+/// Verifies, for viscous layers, complex wave numbers at real frequencies, damped waves at real wave numbers, and both
+/// limits of the retardation time.
 #[test]
 fn viscous_layers_attenuate_and_damp() {
-    let medium = medium(1e-3);
+    let medium = build_medium(1e-3);
     let [elastic, delayed] = [medium.layer.tangential_compliance(); 2];
     let chain = |time: f64| {
         let compliance =
@@ -295,7 +299,7 @@ fn viscous_layers_attenuate_and_damp() {
         .expect("valid")
     };
     let viscous = chain(4e-5);
-    assert_eq!(viscous.frequency(0, 1.0), Err(BlochError::Viscous { element: 1 }));
+    assert_eq!(viscous.frequency(0, 1.0), Err(BlochError::ViscousLayer { element: 1 }));
     let mut worst = 0.0f64;
     for omega in [1e3, 1e4, 1e5, 3e5, 1e6] {
         let shift = viscous.complex_phase_shift(omega).expect("a phase");
@@ -334,14 +338,14 @@ fn viscous_layers_attenuate_and_damp() {
     assert!(worst < 1e-11, "{worst:e}");
 }
 
-/// Contrasts of twelve decades: the Bloch phase never decreases with the frequency, and it inverts the frequencies of
-/// branches.
+/// Verifies, for impedance contrasts of up to twelve decades, that the Bloch phase never decreases with the frequency
+/// and that the frequencies of branches are its inverse.
 #[test]
 fn bloch_phase_is_monotonic_for_extreme_contrasts() {
     let mut random = RandomNumbers::new(5);
     let (mut largest_decrease, mut worst, mut narrow) = (0.0f64, 0.0f64, 0);
     for _ in 0..400 {
-        let mut elements = random_elements(&mut random);
+        let mut elements = random_chain_elements(&mut random);
         for element in &mut elements {
             let factor = 10f64.powf(random.uniform(-6.0, 6.0));
             match element {
@@ -372,7 +376,7 @@ fn bloch_phase_is_monotonic_for_extreme_contrasts() {
             let omega = chain.frequency(branch, shift).expect("a branch");
             assert!(omega >= last * (1.0 - 1e-12));
             last = omega;
-            let [lower, upper] = chain.band(branch).expect("a band");
+            let [lower, upper] = chain.band_edges(branch).expect("a band");
             let slack = 1e-12 * omega;
             assert!(
                 lower <= omega + slack && omega <= upper + slack,
@@ -391,7 +395,7 @@ fn bloch_phase_is_monotonic_for_extreme_contrasts() {
     assert!(largest_decrease < 1e-9 && worst < 1e-7);
 }
 
-/// Invalid chains give typed errors.
+/// Verifies that invalid chains are rejected with typed errors.
 #[test]
 fn invalid_chains_are_rejected() {
     let block = ChainElement::Block { length: 1.0, speed: 1.0, impedance: 1.0 };

@@ -1,6 +1,6 @@
 //! Damped modes of cells with viscous joints: chains, limits of the retardation time, stability.
 
-use crate::media::medium;
+use crate::media::build_medium;
 use models::interface::opening_line::LayerMass;
 use num_complex::Complex64;
 use wellposed_analysis::bloch::BlochError;
@@ -10,8 +10,8 @@ use wellposed_analysis::bloch::cell::{
 use wellposed_analysis::bloch::chain::{Chain, ChainElement, ChainPolarisation, LayerCompliance};
 
 /// One block; joints of 5 mm layers, viscous in shear with a delayed compliance twice the instantaneous one.
-fn cell(time: f64, degree: usize, weld: Option<f64>) -> CellModel {
-    let medium = medium(5e-3);
+fn build_cell_model(time: f64, degree: usize, weld: Option<f64>) -> CellModel {
+    let medium = build_medium(5e-3);
     let h = medium.period;
     let mut joint = Joint::from_layer(&medium.layer, false);
     let compliance = 2.0 * medium.layer.tangential_compliance();
@@ -21,15 +21,16 @@ fn cell(time: f64, degree: usize, weld: Option<f64>) -> CellModel {
         let component = JointComponent { mass: LayerMass::new_box(0.0), stiffness, delay: None };
         Joint { normal: component, tangential: component }
     });
-    let block = CellBlock { width: h, material: medium.block, right: joint, top };
+    let block = CellBlock { width: h, material: medium.block, right_joint: joint, top_joint: top };
     let row = BlockRow { height: h, offset: 0.0, blocks: vec![block] };
     CellModel::new(&Cell::new(vec![row]).expect("valid"), degree)
 }
 
-/// Along an axis with welded joints across the other (extrapolated in 1/K) the damped shear waves are those of the chain.
+/// Verifies that along an axis, with welded joints normal to the other (extrapolated in 1/K), the damped shear waves
+/// are those of the chain.
 #[test]
 fn damped_cell_along_an_axis_equals_the_chain() {
-    let medium = medium(5e-3);
+    let medium = build_medium(5e-3);
     let elastic = medium.layer.tangential_compliance();
     let chain = Chain::new(vec![
         ChainElement::from_block(&medium.block, medium.period, ChainPolarisation::Transverse),
@@ -39,7 +40,7 @@ fn damped_cell_along_an_axis_equals_the_chain() {
         },
     ])
     .expect("valid");
-    let models = [1e3, 2e3, 4e3].map(|factor| cell(4e-5, 6, Some(factor)));
+    let models = [1e3, 2e3, 4e3].map(|factor| build_cell_model(4e-5, 6, Some(factor)));
     let mut worst = 0.0f64;
     for shift in [0.7, 2.0] {
         let values = models.each_ref().map(|model| {
@@ -66,17 +67,21 @@ fn damped_cell_along_an_axis_equals_the_chain() {
     assert!(worst < 5e-7, "{worst:e}");
 }
 
-/// Slow and fast retardation give the real frequencies of the instantaneous and of the relaxed stiffness, between them
-/// waves decay; the Hermitian problem is refused.
+/// Verifies that slow and fast retardation give the real frequencies of the instantaneous and of the relaxed stiffness,
+/// that waves decay between these limits, and that the Hermitian eigenproblem is rejected.
 #[test]
-fn limits_of_the_retardation_time() {
+fn slow_and_fast_retardation_reach_undamped_limits() {
     let at = [25.0, 14.0];
     let elastic = |share: f64| {
-        let medium = medium(5e-3);
+        let medium = build_medium(5e-3);
         let mut joint = Joint::from_layer(&medium.layer, false);
         joint.tangential.stiffness *= share;
-        let block =
-            CellBlock { width: medium.period, material: medium.block, right: joint, top: joint };
+        let block = CellBlock {
+            width: medium.period,
+            material: medium.block,
+            right_joint: joint,
+            top_joint: joint,
+        };
         let row = BlockRow { height: medium.period, offset: 0.0, blocks: vec![block] };
         CellModel::new(&Cell::new(vec![row]).expect("valid"), 4)
             .modes(at, 4, false)
@@ -84,13 +89,13 @@ fn limits_of_the_retardation_time() {
             .frequencies()
     };
     for (time, share) in [(1.0, 1.0), (1e-9, 1.0 / 3.0)] {
-        let modes = cell(time, 4, None).damped_modes(at).expect("modes");
+        let modes = build_cell_model(time, 4, None).damped_modes(at).expect("modes");
         for (found, expected) in modes.frequencies.iter().zip(elastic(share)) {
             println!("τ = {time:e}: {found:.4}, elastic {expected:.4}");
             assert!((found / expected - 1.0).norm() < 1e-4);
         }
     }
-    let viscous = cell(4e-5, 4, None);
+    let viscous = build_cell_model(4e-5, 4, None);
     let modes = viscous.damped_modes(at).expect("modes");
     assert!(modes.is_stable());
     assert!(modes.frequencies[..3].iter().all(|omega| omega.im > 1e-3 * omega.re));

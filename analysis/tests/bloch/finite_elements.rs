@@ -1,13 +1,14 @@
-//! Bloch frequencies of one block per cell by bilinear finite elements, on a lattice (h, 0), (s, h): code, mesh and
-//! assembly of the test's own.
+//! Reference: Bloch frequencies of one block per cell by bilinear finite elements, on a lattice (h, 0), (s, h). It
+//! shares no code with the crate.
 
 use models::interface::homogenised::BlockyMedium;
 use nalgebra::{Cholesky, DMatrix};
 use num_complex::Complex64;
 
-/// Vectors of the subspace iteration and its steps.
-const VECTORS: usize = 12;
-const STEPS: usize = 24;
+/// Number of vectors of the subspace iteration.
+const SUBSPACE_VECTORS: usize = 12;
+/// Number of steps of the subspace iteration.
+const SUBSPACE_STEPS: usize = 24;
 
 /// Squared frequencies of the lowest `count` modes on a mesh of n × n squares; `shear` s in elements of this mesh.
 pub fn squared_frequencies(
@@ -117,10 +118,10 @@ fn lowest_eigenvalues(
 ) -> Vec<f64> {
     let n = mass.nrows();
     let factors = (&stiffness + mass * Complex64::from(shift)).lu();
-    let mut basis = DMatrix::from_fn(n, VECTORS, |i, j| {
+    let mut basis = DMatrix::from_fn(n, SUBSPACE_VECTORS, |i, j| {
         Complex64::from(((i + 1) as f64 * (j + 1) as f64 * 0.7).sin())
     });
-    for _ in 0..STEPS {
+    for _ in 0..SUBSPACE_STEPS {
         basis = factors.solve(&(mass * basis)).expect("regular").qr().q();
     }
     let [k, m] = [&stiffness, mass].map(|matrix| basis.adjoint() * matrix * &basis);

@@ -9,7 +9,7 @@ use wellposed_analysis::bloch::chain::{Chain, ChainElement, ChainPolarisation, L
 /// Thicknesses of layers, m.
 pub const THICKNESSES: [f64; 3] = [1e-4, 1e-3, 5e-3];
 
-pub fn medium(thickness: f64) -> BlockyMedium {
+pub fn build_medium(thickness: f64) -> BlockyMedium {
     BlockyMedium {
         block: BlockMaterial { density: 2700.0, longitudinal_speed: 5000.0, shear_speed: 3000.0 },
         layer: ElasticMaterial {
@@ -23,7 +23,7 @@ pub fn medium(thickness: f64) -> BlockyMedium {
 }
 
 /// Chain of a block and a layer.
-pub fn simple_chain(
+pub fn build_single_block_chain(
     medium: &BlockyMedium,
     is_lumped: bool,
     polarisation: ChainPolarisation,
@@ -37,7 +37,7 @@ pub fn simple_chain(
 
 /// One to three random blocks, each followed by a layer; masses and compliances of layers between 0.01 and 10, some
 /// layers lumped, massless or without compliance.
-pub fn random_elements(random: &mut RandomNumbers) -> Vec<ChainElement> {
+pub fn random_chain_elements(random: &mut RandomNumbers) -> Vec<ChainElement> {
     let count = 1 + (3.0 * random.uniform(0.0, 1.0)) as usize;
     let mut elements = Vec::new();
     for _ in 0..count {

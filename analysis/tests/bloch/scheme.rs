@@ -1,6 +1,6 @@
-//! The discrete chain: eigenvalues of the update matrix of blocks at Courant number 1 and the face laws of the models.
+//! Discrete chain: eigenvalues of the update matrix of blocks at Courant number 1 with the layer laws of the models.
 
-use crate::media::{THICKNESSES, medium};
+use crate::media::{THICKNESSES, build_medium};
 use models::interface::RiemannData;
 use models::interface::elastic::ElasticComponent;
 use models::interface::opening_line::{LayerMass, OpeningLine};
@@ -10,8 +10,9 @@ use std::f64::consts::PI;
 use wellposed_analysis::bloch::BlochError;
 use wellposed_analysis::bloch::chain::{Chain, ChainElement, ChainPolarisation, LayerCompliance};
 
-const CELLS: usize = 10;
-const STEP: f64 = 1.0;
+/// Number of cells of the block.
+const CELLS_PER_BLOCK: usize = 10;
+const TIME_STEP: f64 = 1.0;
 /// Impedance of the block; speed 1, cells of length 1.
 const IMPEDANCE: f64 = 2.0;
 
@@ -23,51 +24,52 @@ struct Layer {
     delayed: Option<[f64; 2]>,
 }
 
-/// One step of a period with real data: invariants zv − σ (rightgoing) and zv + σ (leftgoing) of the cells, then V, d,
-/// S and the traction of the delayed spring. `ghosts` are the incoming invariants of the neighbour across the layer:
-/// rightgoing of the last cell of the period before, and the matching position of the layer is at the lower end.
-fn advance(layer: &Layer, ghost: f64, state: &[f64]) -> (Vec<f64>, f64) {
-    let (right, rest) = state.split_at(CELLS);
-    let (left, history) = rest.split_at(CELLS);
+/// Advances a period of the chain by one step. The state consists of the rightgoing (zv − σ) and the leftgoing (zv + σ)
+/// Riemann invariants of the cells, then V, d, S and the traction of the delayed spring of the layer at the lower end;
+/// `ghost` is the rightgoing invariant of the last cell of the previous period.
+fn advance_period(layer: &Layer, ghost: f64, state: &[f64]) -> (Vec<f64>, f64) {
+    let (right, rest) = state.split_at(CELLS_PER_BLOCK);
+    let (left, history) = rest.split_at(CELLS_PER_BLOCK);
     let incoming = RiemannData { impedance: [IMPEDANCE; 2], invariant: [ghost, left[0]] };
     let mut variables = [history[0], history[1], history[2]];
     let mut spring = history[3];
     let states = match layer.delayed {
         None => {
             let law = ElasticComponent { mass: layer.mass, compliance: layer.compliance };
-            law.advance(incoming, STEP, &mut variables)
+            law.advance(incoming, TIME_STEP, &mut variables)
         }
         Some([delayed, time]) => {
             // d = C₀Ṡ + ė with e = C₁s, S = s + τṡ, by the midpoint rule: s_mid = (s + rS_mid)/(1 + r), r = Δt/(2τ).
-            let line = OpeningLine::new(incoming, layer.mass, [variables[0], variables[1]], STEP);
-            let r = 0.5 * STEP / time;
-            let rate = 2.0 * layer.compliance / STEP;
-            let factor = 2.0 * delayed / STEP * r / (1.0 + r);
+            let line =
+                OpeningLine::new(incoming, layer.mass, [variables[0], variables[1]], TIME_STEP);
+            let r = 0.5 * TIME_STEP / time;
+            let rate = 2.0 * layer.compliance / TIME_STEP;
+            let factor = 2.0 * delayed / TIME_STEP * r / (1.0 + r);
             let stress = variables[2];
             // d = rate (S_mid − S) + 2C₁(s_mid − s)/Δt,  s_mid − s = r(S_mid − s)/(1 + r).
-            let middle = (rate * stress + factor * spring + line.free_rate)
+            let middle = (rate * stress + factor * spring + line.free_opening_rate)
                 / (rate + factor + line.admittance);
             let spring_middle = (spring + r * middle) / (1.0 + r);
             spring = 2.0 * spring_middle - spring;
-            let moved = line.finish(middle);
-            variables = [moved.inertia[0], moved.inertia[1], 2.0 * middle - stress];
-            moved.states
+            let finished = line.complete_step(middle);
+            variables = [finished.motion[0], finished.motion[1], 2.0 * middle - stress];
+            finished.states
         }
     };
     let [before, after] = states;
     let mut next = vec![0.0; state.len()];
     next[0] = IMPEDANCE * after.velocity - after.stress;
-    next[1..CELLS].copy_from_slice(&right[..CELLS - 1]);
-    next[CELLS..2 * CELLS - 1].copy_from_slice(&left[1..]);
-    next[2 * CELLS..2 * CELLS + 3].copy_from_slice(&variables);
-    next[2 * CELLS + 3] = spring;
+    next[1..CELLS_PER_BLOCK].copy_from_slice(&right[..CELLS_PER_BLOCK - 1]);
+    next[CELLS_PER_BLOCK..2 * CELLS_PER_BLOCK - 1].copy_from_slice(&left[1..]);
+    next[2 * CELLS_PER_BLOCK..2 * CELLS_PER_BLOCK + 3].copy_from_slice(&variables);
+    next[2 * CELLS_PER_BLOCK + 3] = spring;
     // The leftgoing invariant that enters the last cell of the period before.
     (next, IMPEDANCE * before.velocity + before.stress)
 }
 
 /// Update matrix of a period at the phase shift κh: the step is linear, so its columns are steps of unit vectors.
 fn update_matrix(layer: &Layer, shift: f64) -> DMatrix<Complex64> {
-    let n = 2 * CELLS + 4;
+    let n = 2 * CELLS_PER_BLOCK + 4;
     let mut matrix = DMatrix::zeros(n, n);
     let mut unit = vec![0.0; n];
     // Fields of the next period are e^{−iκh} times those of this one.
@@ -76,25 +78,25 @@ fn update_matrix(layer: &Layer, shift: f64) -> DMatrix<Complex64> {
         for (row, value) in next.into_iter().enumerate() {
             matrix[(row, column)] += weight * value;
         }
-        matrix[(2 * CELLS - 1, column)] += weight * outgoing * phase;
+        matrix[(2 * CELLS_PER_BLOCK - 1, column)] += weight * outgoing * phase;
     };
     for column in 0..n {
         unit[column] = 1.0;
-        add(column, Complex64::from(1.0), advance(layer, 0.0, &unit));
+        add(column, Complex64::from(1.0), advance_period(layer, 0.0, &unit));
         unit[column] = 0.0;
     }
-    add(CELLS - 1, phase.inv(), advance(layer, 1.0, &unit));
+    add(CELLS_PER_BLOCK - 1, phase.inv(), advance_period(layer, 1.0, &unit));
     matrix
 }
 
-fn chain(layer: &Layer) -> Chain {
+fn build_chain(layer: &Layer) -> Chain {
     let [delayed, retardation_time] = layer.delayed.unwrap_or_default();
     let compliance = LayerCompliance { elastic: layer.compliance, delayed, retardation_time };
     Chain::new(vec![
-        ChainElement::Block { length: CELLS as f64, speed: 1.0, impedance: IMPEDANCE },
+        ChainElement::Block { length: CELLS_PER_BLOCK as f64, speed: 1.0, impedance: IMPEDANCE },
         ChainElement::Layer { mass: layer.mass, compliance },
     ])
-    .and_then(|chain| chain.with_time_step(STEP))
+    .and_then(|chain| chain.with_time_step(TIME_STEP))
     .expect("valid")
 }
 
@@ -102,11 +104,11 @@ fn chain(layer: &Layer) -> Chain {
 fn scheme_frequencies(layer: &Layer, shift: f64) -> Vec<Complex64> {
     let values = update_matrix(layer, shift).schur().eigenvalues().expect("converged");
     let values = values.iter().filter(|value| value.norm() > 1e-8);
-    values.map(|value| -Complex64::i() * value.ln() / STEP).collect()
+    values.map(|value| -Complex64::i() * value.ln() / TIME_STEP).collect()
 }
 
-/// Every branch of the chain with a time step is an eigenvalue of the update matrix of the scheme, and every eigenvalue
-/// on the unit circle with 0 < ω < π/Δt a branch.
+/// Verifies that every branch of the chain with a time step is an eigenvalue of the update matrix of the scheme, and
+/// every eigenvalue on the unit circle with 0 < ω < π/Δt a branch.
 #[test]
 fn frequencies_of_the_scheme_are_exact() {
     let (mut worst, mut count) = (0.0f64, 0);
@@ -117,7 +119,7 @@ fn frequencies_of_the_scheme_are_exact() {
                 false => LayerMass::new_box(mass),
             };
             let layer = Layer { mass, compliance, delayed: None };
-            let chain = chain(&layer);
+            let chain = build_chain(&layer);
             for shift in [0.2, 0.5 * PI, 2.8, PI] {
                 let mut expected: Vec<f64> = scheme_frequencies(&layer, shift)
                     .iter()
@@ -134,7 +136,7 @@ fn frequencies_of_the_scheme_are_exact() {
                     count += 1;
                 }
                 assert!(matches!(
-                    chain.frequency(3 * CELLS, shift),
+                    chain.frequency(3 * CELLS_PER_BLOCK, shift),
                     Err(BlochError::NoSuchBranch { .. })
                 ));
             }
@@ -144,14 +146,14 @@ fn frequencies_of_the_scheme_are_exact() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// Damped waves of viscous layers are eigenvalues of the update matrix.
+/// Verifies that damped waves of viscous layers are eigenvalues of the update matrix.
 #[test]
 fn damped_frequencies_of_the_scheme_are_exact() {
     let mut worst = 0.0f64;
     for is_lumped in [false, true] {
         let mass = if is_lumped { LayerMass::new_lumped(0.7) } else { LayerMass::new_box(0.7) };
         let layer = Layer { mass, compliance: 2.0, delayed: Some([3.0, 4.0]) };
-        let chain = chain(&layer);
+        let chain = build_chain(&layer);
         for shift in [0.2, 0.5 * PI, 2.8] {
             let values = scheme_frequencies(&layer, shift);
             for branch in 0..6 {
@@ -166,14 +168,14 @@ fn damped_frequencies_of_the_scheme_are_exact() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// A mode started from its eigenvector stays e^{iωt} over 2000 steps, band edges included.
+/// Verifies that a mode started from its eigenvector evolves as e^{iωt} over 2000 steps, band edges included.
 #[test]
 fn modes_of_the_scheme_oscillate_at_the_frequency_of_the_chain() {
     let mut worst = 0.0f64;
     for thickness in THICKNESSES {
         // Units: block of 10 cells and time steps, impedance 2.
-        let medium = medium(thickness);
-        let unit = medium.period / 5000.0 / CELLS as f64;
+        let medium = build_medium(thickness);
+        let unit = medium.period / 5000.0 / CELLS_PER_BLOCK as f64;
         let factor = IMPEDANCE / (2700.0 * 5000.0) / unit;
         let layer = Layer {
             mass: LayerMass::new_box(medium.layer.mass() * factor),
@@ -181,9 +183,9 @@ fn modes_of_the_scheme_oscillate_at_the_frequency_of_the_chain() {
             delayed: None,
         };
         for shift in [0.25 * PI, 0.5 * PI, PI] {
-            let omega = chain(&layer).frequency(0, shift).expect("a branch");
+            let omega = build_chain(&layer).frequency(0, shift).expect("a branch");
             let matrix = update_matrix(&layer, shift);
-            let turn = Complex64::from_polar(1.0, omega * STEP);
+            let turn = Complex64::from_polar(1.0, omega * TIME_STEP);
             // Eigenvector by inverse iteration.
             let n = matrix.nrows();
             let shifted = &matrix - DMatrix::identity(n, n) * (turn * (1.0 + 1e-13));
@@ -197,7 +199,7 @@ fn modes_of_the_scheme_oscillate_at_the_frequency_of_the_chain() {
             for _ in 0..2000 {
                 state = &matrix * state;
             }
-            let expected = Complex64::from_polar(1.0, 2000.0 * omega * STEP);
+            let expected = Complex64::from_polar(1.0, 2000.0 * omega * TIME_STEP);
             worst = worst.max((state - vector * expected).norm());
         }
     }
@@ -205,12 +207,12 @@ fn modes_of_the_scheme_oscillate_at_the_frequency_of_the_chain() {
     assert!(worst < 1e-11, "{worst:e}");
 }
 
-/// Without time step the polarisation selects speeds and stiffness.
+/// Verifies that the polarisation selects wave speed and layer stiffness.
 #[test]
 fn polarisations_differ() {
-    let medium = medium(1e-3);
+    let medium = build_medium(1e-3);
     let speeds = [ChainPolarisation::Longitudinal, ChainPolarisation::Transverse]
-        .map(|p| crate::media::simple_chain(&medium, false, p).long_wave_speed());
+        .map(|p| crate::media::build_single_block_chain(&medium, false, p).long_wave_speed());
     // One direction of layers only: ρ′δ/h once.
     for (speed, (stiffness, modulus)) in
         speeds.into_iter().zip(medium.layer_stiffness().into_iter().zip([6.75e10, 2.43e10]))

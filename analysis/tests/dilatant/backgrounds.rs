@@ -9,7 +9,7 @@ use models::registry;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use testkit::flows::FlowParameters;
 
-/// Flags of the properties of a background that are not zero, besides a constant deformation rate.
+/// Set of flags: properties of a background that are not zero, besides a constant deformation rate.
 pub type BackgroundFlags = u8;
 pub const ROTATIONAL_STRESS: BackgroundFlags = 1;
 pub const PRESSURE_GRADIENT: BackgroundFlags = 2;
@@ -66,7 +66,7 @@ pub fn expected_verdict(flags: BackgroundFlags, zone: NoncoaxialityZone) -> &'st
     }
 }
 
-/// A sample, and the distance of its |Δ| from the bound of its zone, relative to the width of the zone (half width
+/// Random state, and the distance of its |Δ| from the bound of its zone, relative to the width of the zone (half width
 /// outside).
 pub struct ZoneSample {
     pub sample: FlowSample,

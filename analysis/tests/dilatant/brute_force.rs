@@ -64,15 +64,19 @@ pub fn describe_difference(
 /// Verifies the verdicts on backgrounds with one flag, none and all, in all zones, against brute force.
 #[test]
 fn brute_force_confirms_harris_grekova_with_dilatancy() {
-    const INSIDE_COUNT: u64 = 8;
-    const OTHER_COUNT: u64 = 3;
+    const INSIDE_STATE_COUNT: u64 = 8;
+    const OUTSIDE_STATE_COUNT: u64 = 3;
     let backgrounds = [UNIFORM, 1, 2, 4, 8, 16, 32, ALL_FLAGS];
     let cases: Vec<(BackgroundFlags, NoncoaxialityZone, u64)> = backgrounds
         .into_iter()
         .flat_map(|parts| {
-            [(Inside, INSIDE_COUNT), (Outside, OTHER_COUNT), (Reversed, OTHER_COUNT)]
-                .into_iter()
-                .flat_map(move |(zone, count)| (0..count).map(move |n| (parts, zone, n)))
+            [
+                (Inside, INSIDE_STATE_COUNT),
+                (Outside, OUTSIDE_STATE_COUNT),
+                (Reversed, OUTSIDE_STATE_COUNT),
+            ]
+            .into_iter()
+            .flat_map(move |(zone, count)| (0..count).map(move |n| (parts, zone, n)))
         })
         .collect();
     let wrong: Vec<String> = cases
@@ -93,7 +97,7 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
 /// Verifies the verdicts on the associated plastic potential and on dilatant double shearing, with accelerations and
 /// gradients, against brute force.
 #[test]
-fn brute_force_confirms_the_other_models_with_dilatancy() {
+fn brute_force_confirms_plastic_potential_and_double_shearing() {
     const STATE_COUNT: u64 = 12;
     let kinds = [
         (registry::PLASTIC_POTENTIAL, DilatancyKind::Associated, "order 1/2"),

@@ -5,7 +5,7 @@ mod backgrounds;
 mod balanced_gradients;
 mod brute_force;
 mod harris_grekova;
-mod highest_coefficient;
-mod other_models;
+mod leading_coefficient;
+mod potential_and_double_shearing;
 #[path = "../support/mod.rs"]
 mod support;

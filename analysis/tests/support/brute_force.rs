@@ -105,7 +105,7 @@ fn refine_zero_by_newton(
         if rate.is_zero() {
             return None;
         }
-        let step = value * rate.recip();
+        let step = value * rate.reciprocal();
         x = x - step;
         if step.exponent() < -200 {
             break;
@@ -175,7 +175,7 @@ fn find_resonances(
                         let mut b = centre + Real256::from(offsets[n + 1]);
                         let (mut fa, mut fb) = (f, g);
                         for _ in 0..40 {
-                            let x = (a * fb - b * fa) * (fb - fa).recip();
+                            let x = (a * fb - b * fa) * (fb - fa).reciprocal();
                             let fx = value(power, part, x);
                             let step = (x - b).abs();
                             if fx.is_negative() != fb.is_negative() {
@@ -204,7 +204,7 @@ fn find_resonances(
 /// Smallest distance between two roots, relative to the sum of their moduli, over all pairs whose sum exceeds `least`;
 /// in double precision, which suffices to locate candidates.
 fn min_root_gap(polynomial: &[Complex256], least: f64) -> f64 {
-    let plain: Vec<_> = polynomial.iter().map(|c| c.to_c64()).collect();
+    let plain: Vec<_> = polynomial.iter().map(|c| c.to_complex64()).collect();
     let roots = wellposed_analysis::roots::solve(&plain);
     let mut found = f64::INFINITY;
     for (n, a) in roots.iter().enumerate() {

@@ -266,7 +266,7 @@ pub fn match_roots<'a>(
     for (i, &f) in computed.iter().enumerate() {
         for (j, &w) in exact.iter().enumerate() {
             let size = w.modulus() + Real256::from(f64::MIN_POSITIVE);
-            let gap = (Complex256::from(f) - w).modulus() * size.recip();
+            let gap = (Complex256::from(f) - w).modulus() * size.reciprocal();
             pairs.push((gap.to_f64(), i, j));
         }
     }

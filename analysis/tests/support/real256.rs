@@ -6,6 +6,7 @@ use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Mul, Neg};
 use std::sync::OnceLock;
 
+/// Number of 64-bit limbs of the mantissa.
 const LIMBS: usize = 4;
 
 /// ± 0.limbs · 2^exponent; the last limb is the leading one and has its top bit set, except in zero.
@@ -61,7 +62,7 @@ impl Real256 {
     }
 
     /// 1/x by Newton's iteration.
-    pub fn recip(self) -> Self {
+    pub fn reciprocal(self) -> Self {
         assert!(!self.is_zero(), "division by zero");
         let mantissa = Self { has_minus_sign: false, exponent: 0, ..self };
         let mut y = Self::from(1.0 / mantissa.to_f64());
@@ -83,9 +84,9 @@ impl Real256 {
         while term.exponent() > x.exponent() - 270 && !term.is_zero() {
             sine += term;
             // Term x^(n+1)/(n+1)!, with the sign opposite to the cosine series.
-            let next = term * x * Self::from(n + 1.0).recip();
+            let next = term * x * Self::from(n + 1.0).reciprocal();
             versine += next;
-            term = -(term * square * Self::from((n + 1.0) * (n + 2.0)).recip());
+            term = -(term * square * Self::from((n + 1.0) * (n + 2.0)).reciprocal());
             n += 2.0;
         }
         for _ in 0..halvings {
@@ -103,11 +104,11 @@ impl Real256 {
         static PI: OnceLock<Real256> = OnceLock::new();
         *PI.get_or_init(|| {
             let arctangent = |n: f64| {
-                let x = Self::from(n).recip();
+                let x = Self::from(n).reciprocal();
                 let square = x * x;
                 let (mut sum, mut power, mut m) = (Self::ZERO, x, 1.0);
                 while power.exponent() > -270 {
-                    sum += power * Self::from(m).recip();
+                    sum += power * Self::from(m).reciprocal();
                     power = -(power * square);
                     m += 2.0;
                 }
@@ -312,7 +313,7 @@ impl Complex256 {
         Self { re: self.re.multiply_by_power_of_two(n), im: self.im.multiply_by_power_of_two(n) }
     }
 
-    pub fn to_c64(self) -> Complex64 {
+    pub fn to_complex64(self) -> Complex64 {
         Complex64::new(self.re.to_f64(), self.im.to_f64())
     }
 
@@ -322,14 +323,15 @@ impl Complex256 {
             return Real256::ZERO;
         }
         let e = self.exponent();
-        Real256::from(self.multiply_by_power_of_two(-e).to_c64().norm()).multiply_by_power_of_two(e)
+        Real256::from(self.multiply_by_power_of_two(-e).to_complex64().norm())
+            .multiply_by_power_of_two(e)
     }
 
     /// self / other to double precision.
     pub fn ratio(self, other: Self) -> Self {
         let (p, q) = (self.exponent(), other.exponent());
-        let ratio = self.multiply_by_power_of_two(-p).to_c64()
-            / other.multiply_by_power_of_two(-q).to_c64();
+        let ratio = self.multiply_by_power_of_two(-p).to_complex64()
+            / other.multiply_by_power_of_two(-q).to_complex64();
         Self::from(ratio).multiply_by_power_of_two(p - q)
     }
 }

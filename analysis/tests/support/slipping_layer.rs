@@ -5,14 +5,18 @@ use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::stress::Stress;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::InterlayerYieldSet;
-use models::yield_set::tangent::tangent;
+use models::yield_set::tangent::tangent_stiffness;
 
 /// A plane solid with μ = ρ = 1 and one layer slipping.
 #[derive(Clone, Copy)]
 pub struct SlippingLayer {
+    /// Lamé modulus λ.
     pub lambda: f64,
+    /// Cosserat couple modulus α.
     pub alpha: f64,
+    /// Friction coefficient κ of the layer.
     pub friction: f64,
+    /// Dilatancy coefficient of the layer.
     pub dilatancy: f64,
 }
 
@@ -34,7 +38,7 @@ impl SlippingLayer {
         let active = YieldSet::from(set).active_conditions(&stress, 1e-9);
         assert_eq!(active.len(), 1);
         let list: Vec<_> = layout.all_stresses().collect();
-        let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &active);
+        let stiffness = tangent_stiffness(&solid.stiffness(layout.all_stresses()), &list, &active);
         layout.rates(&stiffness.expect("response"), 1.0, 1.0)
     }
 

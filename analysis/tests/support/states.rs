@@ -36,7 +36,7 @@ impl FlowSample {
             elsewhere => panic!("on yield by construction, yet {elsewhere:?}"),
         };
         let mut system = LinearisedSystem::default();
-        model.symbol(&flow, &mut system);
+        model.write_symbol(&flow, &mut system);
         Self { parameters, state, model, flow, system }
     }
 
@@ -208,7 +208,7 @@ pub fn reference_system(sample: &FlowSample) -> System256 {
     let grad_psi = state.stress_angle_gradient.map(w);
 
     // ∇V is D = ½ tr D + Q_D N(Ψ_D) plus the rotation at half the vorticity.
-    let half_trace = if dilatant { s_v * e_v.recip() * shear_rate * cos_2d } else { zero };
+    let half_trace = if dilatant { s_v * e_v.reciprocal() * shear_rate * cos_2d } else { zero };
     let direction = tensor(psi + delta);
     let turn = w(state.half_vorticity);
     let gradient = [
@@ -232,7 +232,7 @@ pub fn reference_system(sample: &FlowSample) -> System256 {
         }
         m[i][3][3] = -(sin_phi * n1_psi[i]);
         m[i][4][3] = (q * n_psi[i]).multiply_by_power_of_two(2) - sin_phi * n1_p[i];
-        m[i][5][3] = (sin_phi * n_p[i] - grad_p[i] + q * n1_psi[i]) * rho.recip();
+        m[i][5][3] = (sin_phi * n_p[i] - grad_p[i] + q * n1_psi[i]) * rho.reciprocal();
     }
     for i in 0..2 {
         for j in 0..2 {
@@ -248,7 +248,7 @@ pub fn reference_system(sample: &FlowSample) -> System256 {
     match kind {
         own if own == registry::HARRIS_GREKOVA => {
             let inertia = w(parameters.moment_of_inertia.expect("given"));
-            let spin = turn - c_r * e_r.recip() * shear_rate * sin_2d;
+            let spin = turn - c_r * e_r.reciprocal() * shear_rate * sin_2d;
             m[4][2][3] = e_r.multiply_by_power_of_two(1);
             m[2][2][0] = rho * inertia;
             m[2][2][3] = rho * w(state.inertia_rate);
@@ -268,7 +268,7 @@ pub fn reference_system(sample: &FlowSample) -> System256 {
                 },
                 w,
             );
-            m[2][5][3] = rotational.multiply_by_power_of_two(1) * rho.recip();
+            m[2][5][3] = rotational.multiply_by_power_of_two(1) * rho.reciprocal();
         }
         own if own == registry::DOUBLE_SHEARING => {
             m[4][4][0] = e_r.multiply_by_power_of_two(1);

@@ -17,16 +17,18 @@ const UNKNOWNS: [Unknown; 8] = {
 /// Operator that acts on an unknown; an entry multiplies the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DerivativeOperator {
-    /// ∂ₜ
-    T,
-    /// ∂₁
-    X,
-    /// ∂₂
-    Y,
-    /// 1
-    C,
+    /// ∂ₜ: derivative with respect to time.
+    TimeDerivative,
+    /// ∂₁: derivative along x₁.
+    DerivativeX1,
+    /// ∂₂: derivative along x₂.
+    DerivativeX2,
+    /// 1: the unknown itself.
+    Identity,
 }
-pub use DerivativeOperator::{C, T, X, Y};
+pub use DerivativeOperator::{
+    DerivativeX1 as X, DerivativeX2 as Y, Identity as C, TimeDerivative as T,
+};
 
 /// A system with `rows` equations for `columns` unknowns and exact coefficients.
 pub fn build_system(

@@ -112,6 +112,6 @@ fn assert_agreement_with_brute_force(integers: bool, systems: u64) {
     wrong.iter().for_each(|w| println!("{w}"));
     assert!(wrong.is_empty(), "{} of {systems} disagree", wrong.len());
     let marginal = counts.get("marginal").copied().unwrap_or(0) as u64;
-    // At most one in a hundred, and one of fewer.
+    // At most one in a hundred systems may be marginal, or a single one if there are fewer than a hundred.
     assert!(100 * marginal <= systems.max(100), "{marginal} of {systems} are called marginal");
 }

@@ -72,7 +72,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         let own = HarrisGrekova::from_constants(&constants).expect("in range");
         let (q, rho, rate) = (s.flow.stress.deviator.value, s.flow.density, s.flow.shear_rate);
         let exact =
-            |a: f64| own.leading_coefficient(q, rho, rate, s.flow.noncoaxiality, beta(&s, a));
+            |a: f64| own.growth_coefficient(q, rho, rate, s.flow.noncoaxiality, beta(&s, a));
         let mut check =
             |slot: usize, order: f64, sample: &FlowSample, exact: &dyn Fn(f64) -> f64| {
                 let (wanted, _) = maximise_over_half_turn(20_000, exact);
@@ -93,7 +93,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         let constants = s.parameters.to_constants(registry::DOUBLE_SHEARING);
         let own = DoubleShearing::from_constants(&constants).expect("in range");
         let (q, rho) = (s.flow.stress.deviator.value, s.flow.density);
-        check(1, 1.0, &s, &|a| own.leading_coefficient(q, rho, beta(&s, a)));
+        check(1, 1.0, &s, &|a| own.growth_coefficient(q, rho, beta(&s, a)));
 
         let dilatancy =
             if seed.is_multiple_of(2) { DilatancyKind::Zero } else { DilatancyKind::Positive };
@@ -101,7 +101,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         let constants = s.parameters.to_constants(registry::PLASTIC_POTENTIAL);
         let own = PlasticPotential::from_constants(&constants).expect("in range");
         let (q, rho, rate) = (s.flow.stress.deviator.value, s.flow.density, s.flow.shear_rate);
-        let exact = |a: f64| own.leading_coefficient(q, rho, rate, beta(&s, a));
+        let exact = |a: f64| own.growth_coefficient(q, rho, rate, beta(&s, a));
         // Only sectors wide enough for `maximise_over_half_turn`.
         if (s.parameters.friction_angle - s.parameters.dilatancy_angle).abs() > 0.05 {
             check(2, 2.0, &s, &exact);
@@ -174,7 +174,7 @@ fn bounds_of_growth_sectors_agree_with_the_closed_form() {
             let inside = 0.5 * (sector[0] + sector[1]);
             for bound in sector {
                 let outwards = (bound - inside).signum() * 1e-12;
-                let rate = |beta: f64| own.leading_coefficient(1.0, 1.0, 1.0, beta);
+                let rate = |beta: f64| own.growth_coefficient(1.0, 1.0, 1.0, beta);
                 assert!(rate(bound - outwards) > 0.0 && rate(bound + outwards) < 0.0, "{gap:e}");
             }
             let mut pencil = Pencil::default();

@@ -6,17 +6,18 @@ use models::LinearisedSystem;
 /// Expected verdict on a system whose growth is known.
 #[derive(Clone, Copy, Debug)]
 pub enum ExpectedVerdict {
+    /// Bounded growth: well-posed.
     Bounded,
-    /// Order, coefficient and, if unique, direction in degrees.
+    /// Unbounded growth: order, coefficient and, if unique, direction in degrees.
     Growth(f64, f64, Option<f64>),
     /// Unbounded at finite wave numbers, in the direction in degrees.
-    UnboundedAtFiniteK(f64),
+    UnboundedAtFiniteWaveNumber(f64),
     /// Rank of the pencil.
     Indeterminate(usize),
 }
-use ExpectedVerdict::{Bounded, Growth, Indeterminate, UnboundedAtFiniteK};
+use ExpectedVerdict::{Bounded, Growth, Indeterminate, UnboundedAtFiniteWaveNumber};
 
-/// Row, column, derivative and coefficient.
+/// Entries of a system: row, column, derivative operator and coefficient of each.
 pub type SystemEntries = Vec<(usize, usize, DerivativeOperator, f64)>;
 
 /// Cyclic matrix with diagonal entries d and entries s next to the diagonal, of determinant ∏ dᵢ + (−1)^(n+1) ∏ sᵢ.
@@ -46,11 +47,11 @@ fn negated_term(part: DerivativeOperator) -> [OperatorTerm; 1] {
 }
 
 /// Coefficient √3/2 of growth of order 1/3: the largest real part of a cube root of −i.
-fn one_third_coefficient() -> f64 {
+fn order_one_third_coefficient() -> f64 {
     (3f64).sqrt() / 2.0
 }
 
-/// Name, system and expected verdict.
+/// Name, linearised system and expected verdict.
 type KnownSystem = (&'static str, LinearisedSystem<2>, ExpectedVerdict);
 
 struct KnownSystemList(Vec<KnownSystem>);
@@ -66,7 +67,7 @@ impl KnownSystemList {
     }
 }
 
-/// Transport and heat: orders 0 and 2.
+/// Adds transport and heat equations: orders of growth 0 and 2.
 fn add_parabolic(list: &mut KnownSystemList) {
     // Dispersion relations of the first three systems: ς + κ₁ = 0, ς + 5 = 0, ς − 5 = 0.
     list.push_square("transport", (1, vec![(0, 0, T, 1.0), (0, 0, X, 1.0)]), Bounded);
@@ -87,7 +88,7 @@ fn add_parabolic(list: &mut KnownSystemList) {
     list.push_square("heat along x, backward along y", mixed, Growth(2.0, 3.0, Some(90.0)));
 }
 
-/// Wave equations with damping, sources and advection, and elliptic counterparts.
+/// Adds wave equations with damping, sources and advection, and elliptic counterparts.
 fn add_hyperbolic(list: &mut KnownSystemList) {
     let [t, x, _] = ELEMENTARY_TERMS;
     // Dispersion relations ς² = κ² and ς² = −κ² in one and two dimensions.
@@ -131,8 +132,8 @@ fn add_hyperbolic(list: &mut KnownSystemList) {
     list.push_square("elliptic Cauchy problem", (3, elliptic), Growth(1.0, 2.0, Some(90.0)));
 }
 
-/// Other orders of growth, and neutral counterparts.
-fn add_orders(list: &mut KnownSystemList) {
+/// Adds systems with other orders of growth, from 1/3 to 4, and neutral counterparts.
+fn add_other_orders(list: &mut KnownSystemList) {
     let [t, x, one] = ELEMENTARY_TERMS;
     // Dispersion polynomials of the next five systems: ς² + κ³, ς³ + κ², ς² + κ, ς³ + κ, ς⁵ + κ².
     list.push_square(
@@ -153,7 +154,7 @@ fn add_orders(list: &mut KnownSystemList) {
     list.push_square(
         "order 1/3",
         cyclic_system(&[t, t, t], &[x, one, one]),
-        Growth(1.0 / 3.0, one_third_coefficient(), Some(0.0)),
+        Growth(1.0 / 3.0, order_one_third_coefficient(), Some(0.0)),
     );
     list.push_square(
         "order 2/5",
@@ -181,7 +182,7 @@ fn add_orders(list: &mut KnownSystemList) {
     list.push_square("dispersion of order 3", cyclic_system(&[t, one, one], &[x, x, x]), Bounded);
 }
 
-/// Repeated roots and terms that split them.
+/// Adds systems with repeated roots, and with terms that split them.
 fn add_repeated_roots(list: &mut KnownSystemList) {
     let [t, x, one] = ELEMENTARY_TERMS;
     // Dispersion polynomial (ς + κ)² + e²κ²: the real part of a root is a small fraction e of its modulus.
@@ -219,7 +220,7 @@ fn add_repeated_roots(list: &mut KnownSystemList) {
     list.push_square(
         "triple root split at order 1/3",
         cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS, TRANSPORT_TERMS], &[x, one, one]),
-        Growth(1.0 / 3.0, one_third_coefficient(), Some(0.0)),
+        Growth(1.0 / 3.0, order_one_third_coefficient(), Some(0.0)),
     );
     // Dispersion polynomial (ς + κ)³ + κ²: order 2/3.
     list.push_square(
@@ -229,8 +230,8 @@ fn add_repeated_roots(list: &mut KnownSystemList) {
     );
 }
 
-/// Dispersive waves with growth or decay of the next order.
-fn add_beams(list: &mut KnownSystemList) {
+/// Adds dispersive waves whose growth or decay is of the order next to the leading one.
+fn add_dispersive(list: &mut KnownSystemList) {
     let [t, x, one] = ELEMENTARY_TERMS;
     // Dispersion polynomials of the next two systems: ς² + κ⁴, dispersive waves; ς² + κ⁴ + c κ³, dispersive waves with
     // growth c k/2.
@@ -255,7 +256,7 @@ fn add_beams(list: &mut KnownSystemList) {
     );
 }
 
-/// Incompressible flow, whose pencils have index 2.
+/// Adds incompressible flows, whose pencils have index 2.
 fn add_incompressible(list: &mut KnownSystemList) {
     // Euler equations.
     let euler: SystemEntries = vec![
@@ -285,7 +286,7 @@ fn add_incompressible(list: &mut KnownSystemList) {
     list.push_square("backward Stokes", stokes(-1.0), Growth(2.0, 1.0, None));
 }
 
-/// Few time derivatives or none, and roots that are unbounded at finite wave numbers.
+/// Adds systems with few or no time derivatives, and with roots that are unbounded at finite wave numbers.
 fn add_no_time_derivative(list: &mut KnownSystemList) {
     let [_, x, one] = ELEMENTARY_TERMS;
     // No time derivative at all.
@@ -321,7 +322,7 @@ fn add_no_time_derivative(list: &mut KnownSystemList) {
     list.push_square(
         "tangent",
         (2, vec![(0, 0, T, 1.0), (0, 1, C, 1.0), (1, 0, Y, -1.0), (1, 1, X, 1.0)]),
-        UnboundedAtFiniteK(90.0),
+        UnboundedAtFiniteWaveNumber(90.0),
     );
     list.push_square(
         "waves of unbounded speed",
@@ -330,7 +331,7 @@ fn add_no_time_derivative(list: &mut KnownSystemList) {
     );
 }
 
-/// Equations that do not determine the unknowns.
+/// Adds systems whose equations do not determine the unknowns.
 fn add_singular(list: &mut KnownSystemList) {
     // Equal rows; a zero column; fewer equations than unknowns; more equations than unknowns.
     list.push_square(
@@ -355,15 +356,15 @@ fn add_singular(list: &mut KnownSystemList) {
     ));
 }
 
-/// All systems.
+/// All systems whose growth is known by construction.
 pub fn known_systems() -> Vec<KnownSystem> {
     let mut list = KnownSystemList(Vec::new());
     for add in [
         add_parabolic,
         add_hyperbolic,
-        add_orders,
+        add_other_orders,
         add_repeated_roots,
-        add_beams,
+        add_dispersive,
         add_incompressible,
         add_no_time_derivative,
         add_singular,

@@ -4,7 +4,7 @@ use crate::known_systems::{ExpectedVerdict, known_systems};
 use crate::support::states::seeded_generator;
 use crate::support::system_entries::{C, T, X, Y, build_system};
 use crate::support::verdicts::{angular_distance, compute_verdict, expect_growth};
-use ExpectedVerdict::{Bounded, Growth, Indeterminate, UnboundedAtFiniteK};
+use ExpectedVerdict::{Bounded, Growth, Indeterminate, UnboundedAtFiniteWaveNumber};
 use wellposed_analysis::growth::Verdict;
 
 /// Whether a verdict is the wanted one; `None` for a marginal verdict.
@@ -17,7 +17,7 @@ fn is_expected(verdict: &Verdict, wanted: ExpectedVerdict) -> Option<bool> {
                 && (g.coefficient / coefficient - 1.0).abs() < 1e-9
                 && at.is_none_or(|at| angular_distance(at.to_radians(), *direction) < 1e-4)
         }
-        (Verdict::IllPosed { growth: None, direction }, UnboundedAtFiniteK(at)) => {
+        (Verdict::IllPosed { growth: None, direction }, UnboundedAtFiniteWaveNumber(at)) => {
             angular_distance(at.to_radians(), *direction) < 1e-12
         }
         (Verdict::Indeterminate { rank, .. }, Indeterminate(wanted)) => *rank == wanted,

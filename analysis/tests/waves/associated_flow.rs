@@ -7,14 +7,14 @@ use models::yield_set::YieldSet;
 use models::yield_set::parameters::{
     ActiveCondition, InterlayerCoupleLimits, InterlayerYieldSet, Mises,
 };
-use models::yield_set::tangent::tangent;
+use models::yield_set::tangent::tangent_stiffness;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use wellposed_analysis::waves::{DirectionalWaves, squared_speeds};
 
 use crate::random_solids::{THEORIES, random_solid, random_solid_of_order_one, random_unit_vector};
 use crate::yielding::{
-    equations_with_carried_stresses, growth_and_bound, random_mises_condition,
+    equations_with_out_of_plane_stresses, growth_and_bound, random_mises_condition,
     random_stress_on_yield_surface, reverse_time, tangent_basis,
 };
 
@@ -113,7 +113,7 @@ fn verify_associated_yielding<const D: usize>(
     let layout = solid.layout::<D>();
     let list: Vec<_> = layout.all_stresses().collect();
     let elastic = solid.stiffness(layout.all_stresses());
-    let plastic = tangent(&elastic, &list, active).expect("associated");
+    let plastic = tangent_stiffness(&elastic, &list, active).expect("associated");
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
     let rates = |stiffness| layout.rates::<D>(stiffness, solid.density, inertia);
     // Normals that nearly agree magnify the rounding of the tangent stiffness by the inverse of the smallest eigenvalue
@@ -138,7 +138,7 @@ fn verify_associated_yielding<const D: usize>(
     );
 
     // Restriction to the tangent space of the active conditions, with the out-of-plane stresses as unknowns.
-    let full = equations_with_carried_stresses::<D>(solid);
+    let full = equations_with_out_of_plane_stresses::<D>(solid);
     let form = full.symmetric_form().expect("elastic");
     let nv = full.velocity_count();
     let normals: Vec<DVector<f64>> = active

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use wellposed_analysis::waves::{DirectionalWaves, roots};
 
 use crate::random_solids::random_solid_of_order_one;
-use crate::yielding::random_plane_yielding;
+use crate::yielding::random_yielding_equations;
 
 /// Verifies that no wave has a frequency in a band gap and that waves come close to its ends, for shear waves of
 /// random positive stiffnesses.
@@ -54,7 +54,7 @@ fn slopes_of_complex_branches_agree_with_differences() {
     let random = &mut seeded_generator(41);
     let (mut complex, mut worst) = (0, 0.0f64);
     for _ in 0..400 {
-        let equations = random_plane_yielding(random, |friction| friction - 0.9);
+        let equations = random_yielding_equations(random, |friction| friction - 0.9);
         let angle = random.uniform(0.0, PI);
         let normal = [angle.cos(), angle.sin()];
         let k = random.log_uniform(0.3, 30.0);

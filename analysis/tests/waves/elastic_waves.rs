@@ -36,7 +36,7 @@ fn max_speed_error<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic
 }
 
 #[test]
-fn characteristic_speeds_are_the_closed_forms() {
+fn characteristic_speeds_agree_with_closed_forms() {
     let random = &mut seeded_generator(1);
     for theory in THEORIES {
         let mut worst = [0.0f64; 2];
@@ -154,7 +154,7 @@ fn reduced_solid_obeys_its_dispersion_relation() {
 }
 
 #[test]
-fn long_waves_are_those_of_the_classical_solid() {
+fn long_waves_agree_with_the_classical_solid() {
     let random = &mut seeded_generator(5);
     for theory in THEORIES {
         for _ in 0..200 {

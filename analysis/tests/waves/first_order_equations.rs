@@ -6,7 +6,7 @@ use models::common::rates::RateEquations;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
-use models::yield_set::tangent::tangent;
+use models::yield_set::tangent::tangent_stiffness;
 use nalgebra::DVector;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -30,7 +30,7 @@ fn waves_agree_with_the_pencil() {
         let set = YieldSet::from(Mises::new_drucker_prager(1.0, friction, friction));
         let active =
             set.active_conditions(&random_stress_on_yield_surface(random, &set, false), 1e-9);
-        let plastic = tangent(&elastic, &list, &active).expect("associated");
+        let plastic = tangent_stiffness(&elastic, &list, &active).expect("associated");
         for stiffness in [elastic, plastic] {
             let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
             let equations: RateEquations<2> = layout.rates(&stiffness, solid.density, inertia);
@@ -80,7 +80,7 @@ fn relaxation_reaches_the_linearised_system() {
         let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
         let curvature = set.curvature(&stress, &list).expect("off the axis") * 0.8;
         let relaxation = curvature.map(models::Rounded::from_rounded);
-        let plastic = tangent(&stiffness, &list, &[condition]).expect("response");
+        let plastic = tangent_stiffness(&stiffness, &list, &[condition]).expect("response");
         let rates = |stiffness| RateEquations::<2> {
             relaxation: relaxation.clone(),
             ..layout.rates(stiffness, 1.0, inertia)

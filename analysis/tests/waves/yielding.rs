@@ -6,7 +6,7 @@ use models::solid::parameters::{Isotropic, Theory};
 use models::solid::stress::Stress;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{ActiveCondition, InterlayerYieldSet, Mises};
-use models::yield_set::tangent::tangent;
+use models::yield_set::tangent::tangent_stiffness;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
@@ -78,7 +78,7 @@ pub fn random_mises_condition(
     (set, stress, condition)
 }
 
-/// An orthonormal basis of {U : n·U = 0 for all normals}.
+/// Orthonormal basis of the vectors U with n·U = 0 for all normals n.
 pub fn tangent_basis(size: usize, normals: &[DVector<f64>]) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     let orthogonal = |columns: &[DVector<f64>], v: &DVector<f64>| {
@@ -129,7 +129,7 @@ pub fn growth_and_bound<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D])
 }
 
 /// Rate equations of an elastic solid with the out-of-plane stresses among the unknowns.
-pub fn equations_with_carried_stresses<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
+pub fn equations_with_out_of_plane_stresses<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
     let layout = solid.layout::<D>().with_out_of_plane();
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
     layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, inertia)
@@ -137,7 +137,7 @@ pub fn equations_with_carried_stresses<const D: usize>(solid: &Isotropic) -> Rat
 
 /// Rate equations of a random yielding Cosserat solid in plane strain, with constants of order one; `dilatancy` maps
 /// friction to dilatancy.
-pub fn random_plane_yielding(
+pub fn random_yielding_equations(
     random: &mut RandomNumbers,
     dilatancy: impl Fn(f64) -> f64,
 ) -> RateEquations<2> {
@@ -147,14 +147,15 @@ pub fn random_plane_yielding(
         let list: Vec<_> = layout.all_stresses().collect();
         let friction = random.uniform(0.0, 1.0);
         let (_, _, condition) = random_mises_condition(random, friction, dilatancy(friction));
-        let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &[condition]);
+        let stiffness =
+            tangent_stiffness(&solid.stiffness(layout.all_stresses()), &list, &[condition]);
         if let (Ok(stiffness), Some(rotation)) = (stiffness, solid.microrotation) {
             return layout.rates(&stiffness, 1.0, rotation.inertia);
         }
     }
 }
 
-/// The equations with time reversed.
+/// Reverses time in a symmetric-hyperbolic system.
 pub fn reverse_time<const D: usize>(form: &SymmetricForm<D>) -> SymmetricForm<D> {
     SymmetricForm { a: form.a.clone(), b: form.b.each_ref().map(|b| -b), q: -&form.q }
 }

@@ -17,12 +17,14 @@ use std::ops::Range;
 /// Maximum number of blocks of a case.
 pub const MAX_BLOCKS: usize = 1_000_000;
 
-/// Tolerance for positions on the lattice of cells, relative to the spacing.
+/// Tolerance for the distance of block corners from cell corners, relative to the cell spacing.
 const CELL_TOLERANCE: f64 = 1e-6;
 
-const PAIR_OF_COUNTS: ValueType =
+/// Type of a pair of counts, one along each axis, each at least 1.
+const COUNT_PAIR_TYPE: ValueType =
     ValueType::CountList { length: [2, 2], minimum: 1, order: CountConstraint::Unconstrained };
 
+/// Key `model`: constants that override the section `[model]`.
 const MODEL_KEY: KeySchema = KeySchema::new_optional(
     "model",
     ValueType::SectionKeys("model"),
@@ -30,6 +32,7 @@ const MODEL_KEY: KeySchema = KeySchema::new_optional(
     "{ mu = 2e10 }",
     "keys that override [model]",
 );
+/// Key `yield`: constants that override the section `[yield]`.
 const YIELD_KEY: KeySchema = KeySchema::new_optional(
     "yield",
     ValueType::SectionKeys("yield"),
@@ -37,7 +40,8 @@ const YIELD_KEY: KeySchema = KeySchema::new_optional(
     "{ kind = \"none\" }",
     "keys that override [yield]; kind none makes the blocks elastic",
 );
-const WITH_MATERIALS: &[KeyCondition] = &[KeyCondition::Present("materials")];
+/// Condition of keys that are allowed only together with the key `materials`.
+const MATERIALS_CONDITION: &[KeyCondition] = &[KeyCondition::Present("materials")];
 
 /// Schema of the items of the key `materials`.
 const MATERIALS_SCHEMA: TableSchema = TableSchema::new_inline_table(
@@ -61,7 +65,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             ),
             KeySchema::new_required(
                 "cells",
-                PAIR_OF_COUNTS,
+                COUNT_PAIR_TYPE,
                 "",
                 "[10, 10]",
                 "number of cells of one block along each axis; at least 3 along an axis with joints",
@@ -94,7 +98,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             .with_note("lower corner of the first copy"),
             KeySchema::new_with_default(
                 "repeat",
-                PAIR_OF_COUNTS,
+                COUNT_PAIR_TYPE,
                 "",
                 "[1, 1]",
                 "number of copies along each axis",
@@ -125,7 +129,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 "\"checkerboard\"",
                 "arrangement of the materials: checkerboard, rows (along x₁), columns (along x₂), or list",
             )
-            .with_conditions(WITH_MATERIALS),
+            .with_conditions(MATERIALS_CONDITION),
             KeySchema::new_required(
                 "list",
                 ValueType::IndexList,
@@ -159,7 +163,7 @@ named_enum! {
 /// A section `[[block]]`: a block and its copies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockEntry {
-    /// Name, for the selectors of joints.
+    /// Name of the block and its copies, by which joints select faces.
     pub name: Option<String>,
     /// Number of cells of one block along each axis.
     pub cells: [usize; 2],
@@ -173,44 +177,44 @@ pub struct BlockEntry {
     pub row_shift: f64,
     /// Materials of the copies, at least one.
     pub materials: Vec<Material>,
-    /// Arrangement of the materials.
+    /// Arrangement of the materials in the copies.
     pub pattern: MaterialPattern,
     /// Indices of the materials of all copies for [`MaterialPattern::List`], else empty.
     pub material_list: Vec<usize>,
 }
 
 impl BlockEntry {
-    /// Reads a section except its materials; `first` is the first block, whose spacing all blocks have.
+    /// Reads a section except its materials; `first` is the first section, whose cell spacing all blocks have.
     fn read_geometry(section: &SectionReader, first: Option<&Self>) -> Result<Self, CaseError> {
-        let cells: [usize; 2] = read_counts(section.read_required("cells")?);
+        let cells: [usize; 2] = to_pair(section.read_required("cells")?);
         if section.has_key("size") && section.has_key("spacing") {
             let found = format!("found beside spacing ({})", section.locate("spacing"));
             let allowed = "give either size or spacing: size is cells times spacing";
-            return Err(section.error_at("size", found, allowed));
+            return Err(section.key_error("size", found, allowed));
         }
-        let (spacing_key, own) = match section.read_optional::<Vec<f64>>("size")? {
+        let (spacing_key, own_spacing) = match section.read_optional::<Vec<f64>>("size")? {
             Some(size) => ("size", [0, 1].map(|axis| size[axis] / cells[axis] as f64)),
             None => {
                 let given: Vec<f64> = section.read_required("spacing")?;
                 ("spacing", [given[0], given[1]])
             }
         };
-        let spacing = first.map_or(own, |first| first.spacing);
+        let spacing = first.map_or(own_spacing, |first| first.spacing);
         if let Some(axis) =
-            (0..2).find(|&axis| (own[axis] - spacing[axis]).abs() > 1e-9 * spacing[axis])
+            (0..2).find(|&axis| (own_spacing[axis] - spacing[axis]).abs() > 1e-9 * spacing[axis])
         {
             let found = format!(
                 "cells of {:?} m along x{}, but of {:?} m in block[0] ({})",
-                own[axis],
+                own_spacing[axis],
                 axis + 1,
                 spacing[axis],
                 section.positions().locate("block[0]"),
             );
             let allowed = "all blocks are parts of one uniform grid: give them the same spacing";
-            return Err(section.error_at(spacing_key, found, allowed));
+            return Err(section.key_error(spacing_key, found, allowed));
         }
         let origin: Vec<f64> = section.read_optional("origin")?.unwrap_or(vec![0.0; 2]);
-        let repeat = read_counts(section.read_or_default("repeat")?);
+        let repeat = to_pair(section.read_or_default("repeat")?);
         let entry = Self {
             name: section.read_optional("name")?,
             cells,
@@ -226,7 +230,7 @@ impl BlockEntry {
         Ok(entry)
     }
 
-    /// Checks the shift of rows and the numbers of blocks and cells.
+    /// Checks the row shift, the number of copies and the number of cells.
     fn check_counts(&self, section: &SectionReader) -> Result<(), CaseError> {
         let [width, h] = [self.cells[0] as f64 * self.spacing[0], self.spacing[0]];
         let shift = self.row_shift / h;
@@ -234,13 +238,13 @@ impl BlockEntry {
             let found = format!("found {:?} m, {shift:?} cells of {h:?} m", self.row_shift);
             let allowed =
                 format!("expected a whole number of cells, less than a block of {width:?} m");
-            return Err(section.error_at("row_shift", found, allowed));
+            return Err(section.key_error("row_shift", found, allowed));
         }
         let copies = self.repeat[0].checked_mul(self.repeat[1]);
         if copies.is_none_or(|copies| copies > MAX_BLOCKS) {
             let found = format!("found {} × {} copies", self.repeat[0], self.repeat[1]);
             let allowed = format!("expected at most {MAX_BLOCKS} blocks in total");
-            return Err(section.error_at("repeat", found, allowed));
+            return Err(section.key_error("repeat", found, allowed));
         }
         let lengths = [0, 1].map(|axis| self.repeat[axis].checked_mul(self.cells[axis]));
         let total = lengths[0].zip(lengths[1]).and_then(|(one, other)| one.checked_mul(other));
@@ -250,33 +254,33 @@ impl BlockEntry {
                 self.repeat[0], self.repeat[1], self.cells[0], self.cells[1]
             );
             let allowed = format!("expected at most {MAX_CELLS} cells in total");
-            return Err(section.error_at("cells", found, allowed));
+            return Err(section.key_error("cells", found, allowed));
         }
         Ok(())
     }
 
-    /// Reads the materials; `material_of` reads the tables `model` and `yield` of a section.
+    /// Reads the materials of the copies; `read_material` reads the tables `model` and `yield` of a section.
     fn read_materials(
         &mut self,
         section: &SectionReader,
-        material_of: &impl Fn(&SectionReader) -> Result<Material, CaseError>,
+        read_material: &impl Fn(&SectionReader) -> Result<Material, CaseError>,
     ) -> Result<(), CaseError> {
         if !section.has_key("materials") {
-            self.materials = vec![material_of(section)?];
+            self.materials = vec![read_material(section)?];
             return Ok(());
         }
         if let Some(key) = ["model", "yield"].into_iter().find(|key| section.has_key(key)) {
             let found = format!("found beside materials ({})", section.locate("materials"));
             let allowed = "give either model and yield, or materials";
-            return Err(section.error_at(key, found, allowed));
+            return Err(section.key_error(key, found, allowed));
         }
         for table in section.open_list(&MATERIALS_SCHEMA)? {
-            self.materials.push(material_of(&table)?);
+            self.materials.push(read_material(&table)?);
             table.finish()?;
         }
         if self.materials.is_empty() {
             let allowed = "give at least one material { model = { ... } }";
-            return Err(section.error_at("materials", "an empty list", allowed));
+            return Err(section.key_error("materials", "an empty list", allowed));
         }
         let patterns = MaterialPattern::ALL;
         let pattern = section.read_optional_choice("pattern", patterns, MaterialPattern::name)?;
@@ -288,18 +292,18 @@ impl BlockEntry {
         let (count, copies) = (self.materials.len(), self.copies().count());
         if self.material_list.len() != copies {
             let found = format!("{} indices for {copies} copies", self.material_list.len());
-            return Err(section.error_at("list", found, "give one index for each copy"));
+            return Err(section.key_error("list", found, "give one index for each copy"));
         }
         if let Some(index) = self.material_list.iter().find(|index| **index >= count) {
             let found = format!("found {index} with {count} materials");
             let allowed = format!("expected indices from 0 to {}", count - 1);
-            return Err(section.error_at("list", found, allowed));
+            return Err(section.key_error("list", found, allowed));
         }
         Ok(())
     }
 
-    /// Returns row, column and cells of each copy relative to the first copy, row by row. Shifted rows begin with the
-    /// part of a block that is as long as the shift, and end with the rest of a block.
+    /// Returns column, row and cells of each copy relative to the lower corner of the first copy, row by row. A shifted
+    /// row begins with a part of a block, as long as the shift, and ends with the rest of a block.
     fn copies(&self) -> impl Iterator<Item = ([usize; 2], [Range<usize>; 2])> + '_ {
         let [n1, n2] = self.cells;
         let shift = (self.row_shift / self.spacing[0]).round() as usize;
@@ -319,8 +323,8 @@ impl BlockEntry {
         })
     }
 
-    /// Returns the index in [`materials`](Self::materials) of a copy.
-    fn material_of_copy(&self, copy: usize, [column, row]: [usize; 2]) -> usize {
+    /// Returns the index in [`materials`](Self::materials) of the material of a copy.
+    fn copy_material_index(&self, copy: usize, [column, row]: [usize; 2]) -> usize {
         match self.pattern {
             MaterialPattern::Checkerboard => (row + column) % self.materials.len().max(1),
             MaterialPattern::Rows => row % self.materials.len().max(1),
@@ -362,7 +366,7 @@ impl BlockEntry {
     }
 }
 
-/// Adds the tables `model` and `yield` of a material.
+/// Adds the tables `model` and `yield` of a material to a table.
 fn write_material(table: TableWriter, material: &Material) -> TableWriter {
     let table = table.with_table("model", &to_section_table(material, "model"));
     match material.yield_set {
@@ -371,7 +375,8 @@ fn write_material(table: TableWriter, material: &Material) -> TableWriter {
     }
 }
 
-fn read_counts(counts: Vec<usize>) -> [usize; 2] {
+/// Converts a list of two counts to a pair.
+fn to_pair(counts: Vec<usize>) -> [usize; 2] {
     [counts[0], counts[1]]
 }
 
@@ -388,13 +393,13 @@ fn read_geometries<'a>(
     }
     if entries.is_empty() {
         let allowed = "add [[block]] with cells and spacing, or a section [grid]";
-        return Err(root.error_at("block", "an empty list", allowed));
+        return Err(root.key_error("block", "an empty list", allowed));
     }
     let blocks = |entry: &BlockEntry| entry.repeat[0].saturating_add(1) * entry.repeat[1];
     let total: usize = entries.iter().map(|(_, entry)| blocks(entry)).sum();
     if total > 2 * MAX_BLOCKS {
         let allowed = format!("expected at most {MAX_BLOCKS} blocks in total");
-        return Err(root.error_at("block", format!("found up to {total} blocks"), allowed));
+        return Err(root.key_error("block", format!("found up to {total} blocks"), allowed));
     }
     Ok(entries)
 }
@@ -404,12 +409,12 @@ pub(super) fn read_bounding_grid(root: &SectionReader) -> Result<SolidGrid, Case
     if root.has_key("grid") {
         let found = format!("found beside [[block]] ({})", root.locate("block[0]"));
         let allowed = "leave it out: the grid is the bounding box of the blocks";
-        return Err(root.error_at("grid", found, allowed));
+        return Err(root.key_error("grid", found, allowed));
     }
     if root.has_key("region") {
         let found = format!("found beside [[block]] ({})", root.locate("block[0]"));
         let allowed = "give the blocks a model or materials instead, or leave out the blocks";
-        return Err(root.error_at("region", found, allowed));
+        return Err(root.key_error("region", found, allowed));
     }
     let entries = read_geometries(root)?;
     let (_, first) = &entries[0];
@@ -419,7 +424,7 @@ pub(super) fn read_bounding_grid(root: &SectionReader) -> Result<SolidGrid, Case
     let mut cells = [0usize; 2];
     for (section, entry) in &entries {
         for (axis, count) in cells.iter_mut().enumerate() {
-            let offset = offset_in_cells(section, entry, lower, axis)?;
+            let offset = cell_offset(section, entry, lower, axis)?;
             *count = offset.saturating_add(entry.repeat[axis] * entry.cells[axis]).max(*count);
         }
     }
@@ -427,7 +432,7 @@ pub(super) fn read_bounding_grid(root: &SectionReader) -> Result<SolidGrid, Case
     if total.is_none_or(|total| total > MAX_CELLS) {
         let found = format!("a bounding box of {} × {} cells", cells[0], cells[1]);
         let allowed = format!("expected at most {MAX_CELLS} cells in total");
-        return Err(root.error_at("block", found, allowed));
+        return Err(root.key_error("block", found, allowed));
     }
     let (spacing, origin) = (first.spacing.to_vec(), lower.to_vec());
     let grid = SolidGrid { cells: cells.to_vec(), spacing, origin };
@@ -436,8 +441,8 @@ pub(super) fn read_bounding_grid(root: &SectionReader) -> Result<SolidGrid, Case
     Ok(grid)
 }
 
-/// Returns the distance of a block from the lower corner of the bounding box along an axis, in cells.
-fn offset_in_cells(
+/// Returns the distance of the first copy of a block from the lower corner of the bounding box along an axis, in cells.
+fn cell_offset(
     section: &SectionReader,
     entry: &BlockEntry,
     lower: [f64; 2],
@@ -447,7 +452,7 @@ fn offset_in_cells(
     if offset > MAX_CELLS as f64 {
         let found = format!("found x{} = {:?}", axis + 1, entry.origin[axis]);
         let allowed = format!("{offset:e} cells from the other blocks; expected a tiling");
-        return Err(section.error_at("origin", found, allowed));
+        return Err(section.key_error("origin", found, allowed));
     }
     if (offset - offset.round()).abs() > CELL_TOLERANCE {
         let found = format!(
@@ -458,48 +463,50 @@ fn offset_in_cells(
             lower[axis],
         );
         let allowed = "faces of blocks must conform: expected a whole number of cells";
-        return Err(section.error_at("origin", found, allowed));
+        return Err(section.key_error("origin", found, allowed));
     }
     Ok(offset.round() as usize)
 }
 
-/// Blocks read from the sections `[[block]]`.
+/// Blocks read from the sections `[[block]]`, which tile their bounding box.
 pub(super) struct BlockTiling {
+    /// Sections `[[block]]`.
     pub(super) entries: Vec<BlockEntry>,
+    /// Materials of all sections.
     pub(super) materials: Vec<Material>,
+    /// Blocks and their copies.
     pub(super) blocks: Vec<PlacedBlock>,
+    /// Common faces of two blocks.
     pub(super) contacts: Vec<super::tiling::BlockContact>,
 }
 
-/// Reads the sections `[[block]]` and places the blocks in their bounding box `grid`.
+/// Reads the sections `[[block]]` and places the blocks in `grid`, their bounding box.
 pub(super) fn read_blocks(
     root: &SectionReader,
     grid: &SolidGrid,
-    material_of: impl Fn(&SectionReader) -> Result<Material, CaseError>,
+    read_material: impl Fn(&SectionReader) -> Result<Material, CaseError>,
 ) -> Result<BlockTiling, CaseError> {
     let (mut entries, mut materials) = (Vec::new(), Vec::new());
     let mut blocks = Vec::new();
     let lower = [grid.origin[0], grid.origin[1]];
     for (index, (section, mut entry)) in read_geometries(root)?.into_iter().enumerate() {
-        entry.read_materials(&section, &material_of)?;
-        let (first, second) = (
-            offset_in_cells(&section, &entry, lower, 0)?,
-            offset_in_cells(&section, &entry, lower, 1)?,
-        );
+        entry.read_materials(&section, &read_material)?;
+        let (first, second) =
+            (cell_offset(&section, &entry, lower, 0)?, cell_offset(&section, &entry, lower, 1)?);
         for (number, (copy, [along, across])) in entry.copies().enumerate() {
             blocks.push(PlacedBlock {
-                entry: index,
+                entry_index: index,
                 cells: [
                     first + along.start..first + along.end,
                     second + across.start..second + across.end,
                 ],
-                material: materials.len() + entry.material_of_copy(number, copy),
+                material_index: materials.len() + entry.copy_material_index(number, copy),
             });
         }
         materials.extend(entry.materials.iter().cloned());
         if materials.len() > super::MAX_REGIONS {
             let found = format!("more than {} materials", super::MAX_REGIONS);
-            return Err(section.error_at("materials", found, "reduce the number of materials"));
+            return Err(section.key_error("materials", found, "reduce the number of materials"));
         }
         section.finish()?;
         entries.push(entry);
@@ -510,7 +517,7 @@ pub(super) fn read_blocks(
     Ok(BlockTiling { entries, materials, blocks, contacts })
 }
 
-/// Returns the error of blocks that do not tile their bounding box.
+/// Builds the error of blocks that do not tile their bounding box.
 fn tiling_error(
     root: &SectionReader,
     grid: &SolidGrid,
@@ -519,7 +526,7 @@ fn tiling_error(
 ) -> CaseError {
     let lower_edge =
         |axis: usize, cell: usize| grid.origin[axis] + cell as f64 * grid.spacing[axis];
-    let key = |block: usize| format!("block[{}]", blocks[block].entry);
+    let key = |block: usize| format!("block[{}]", blocks[block].entry_index);
     let describe = |block: usize| {
         let name = key(block);
         format!("{name} ({})", root.positions().locate(&name))
@@ -530,17 +537,21 @@ fn tiling_error(
             format!(
                 "x{} from {:?} to {:?}",
                 axis + 1,
-                tidy(lower_edge(axis, own.start)),
-                tidy(lower_edge(axis, own.end))
+                round_coordinate(lower_edge(axis, own.start)),
+                round_coordinate(lower_edge(axis, own.end))
             )
         });
         ranges.join(", ")
     };
     let point = |cell: [usize; 2]| {
-        format!("[{:?}, {:?}]", tidy(lower_edge(0, cell[0])), tidy(lower_edge(1, cell[1])))
+        format!(
+            "[{:?}, {:?}]",
+            round_coordinate(lower_edge(0, cell[0])),
+            round_coordinate(lower_edge(1, cell[1]))
+        )
     };
     match *fault {
-        TilingFault::Overlap { first, second, corner } => root.error_at(
+        TilingFault::Overlap { first, second, corner } => root.key_error(
             &key(second),
             format!(
                 "the block with {} overlaps {} at {}",
@@ -550,7 +561,7 @@ fn tiling_error(
             ),
             "blocks must tile their bounding box: move or shrink one of the two",
         ),
-        TilingFault::Gap { block, corner, length } => root.error_at(
+        TilingFault::Gap { block, corner, length } => root.key_error(
             &key(block),
             format!(
                 "no block at {}, in a gap of {length} cells along x1 beside the block with {}",
@@ -562,7 +573,7 @@ fn tiling_error(
     }
 }
 
-/// Rounds a coordinate for messages.
-pub(super) fn tidy(x: f64) -> f64 {
+/// Rounds a coordinate to 12 digits, for messages.
+pub(super) fn round_coordinate(x: f64) -> f64 {
     format!("{x:.11e}").parse::<f64>().unwrap_or(x) + 0.0
 }

@@ -197,12 +197,12 @@ impl BoundaryConditionKind {
 /// Returns the faces whose last condition on the whole face is periodic, each with the index of this condition in the
 /// list.
 pub(super) fn periodic_faces(
-    sides: &[FaceCondition],
+    conditions: &[FaceCondition],
 ) -> impl Iterator<Item = (usize, BoundaryFace)> {
-    let is_last_whole = |index: usize, side: BoundaryFace| {
-        !sides[index + 1..].iter().any(|later| later.face == side && later.rectangle.is_none())
+    let is_last_whole = |index: usize, face: BoundaryFace| {
+        !conditions[index + 1..].iter().any(|later| later.face == face && later.rectangle.is_none())
     };
-    sides
+    conditions
         .iter()
         .enumerate()
         .filter(move |(index, entry)| {
@@ -232,13 +232,13 @@ impl SolidReader<'_> {
     /// Reads the boundary face of an entry and sets `face_axes` of its scope: positions in the entry are given along
     /// the tangential axes of the face.
     pub(super) fn read_face(&self, section: &mut SectionReader) -> Result<BoundaryFace, CaseError> {
-        let side = section.read_choice(
+        let face = section.read_choice(
             "side",
             &BoundaryFace::all_faces(self.dimensions()),
             BoundaryFace::name,
         )?;
-        section.scope.face_axes = side.tangential_axes(self.dimensions());
-        Ok(side)
+        section.scope.face_axes = face.tangential_axes(self.dimensions());
+        Ok(face)
     }
 
     /// Reads the rectangular part of a face between the keys `from` and `to`; `None` if both are absent, an error if
@@ -257,7 +257,7 @@ impl SolidReader<'_> {
             (None, None) => Ok(None),
             (from, _) => {
                 let absent = if from.is_none() { "from" } else { "to" };
-                Err(section.error_at(absent, "missing", "give both ends of a part, from and to"))
+                Err(section.key_error(absent, "missing", "give both ends of a part, from and to"))
             }
         }
     }
@@ -267,9 +267,9 @@ impl SolidReader<'_> {
         &self,
         root: &SectionReader,
     ) -> Result<Vec<FaceCondition>, CaseError> {
-        let mut sides = Vec::new();
+        let mut conditions = Vec::new();
         for mut section in root.open_list(&SCHEMA)? {
-            let side = self.read_face(&mut section)?;
+            let face = self.read_face(&mut section)?;
             let condition =
                 match section.read_choice("kind", &BoundaryConditionKind::NAMES, |name| name)? {
                     "free" => BoundaryConditionKind::Free,
@@ -279,7 +279,7 @@ impl SolidReader<'_> {
                     "periodic" => BoundaryConditionKind::Periodic,
                     "non-reflecting" => BoundaryConditionKind::NonReflecting,
                     _ => BoundaryConditionKind::Mixed {
-                        fixed_components: self.read_fixed_components(&section, side)?,
+                        fixed_components: self.read_fixed_components(&section, face)?,
                     },
                 };
             let part = match condition {
@@ -287,42 +287,43 @@ impl SolidReader<'_> {
                 _ => self.read_rectangle(&section)?,
             };
             section.finish()?;
-            sides.push(FaceCondition { face: side, condition, rectangle: part });
+            conditions.push(FaceCondition { face, condition, rectangle: part });
         }
-        let periodic: Vec<(usize, BoundaryFace)> = periodic_faces(&sides).collect();
-        let is_periodic = |side: BoundaryFace| periodic.iter().any(|(_, own)| *own == side);
-        for (index, side) in &periodic {
-            let (own, across) = (side.name(), side.opposite_face().name());
-            if !is_periodic(side.opposite_face()) {
+        let periodic: Vec<(usize, BoundaryFace)> = periodic_faces(&conditions).collect();
+        let is_periodic = |face: BoundaryFace| periodic.iter().any(|(_, own)| *own == face);
+        for (index, face) in &periodic {
+            let (own, across) = (face.name(), face.opposite_face().name());
+            if !is_periodic(face.opposite_face()) {
                 let found = format!("found periodic on {own} alone");
                 let allowed =
                     format!("add [[boundary]] with side = \"{across}\", kind = \"periodic\"");
-                return Err(root.error_at(&format!("boundary[{index}].kind"), found, allowed));
+                return Err(root.key_error(&format!("boundary[{index}].kind"), found, allowed));
             }
         }
         let is_part = |entry: &FaceCondition| entry.rectangle.is_some() && is_periodic(entry.face);
-        if let Some(index) = sides.iter().position(is_part) {
-            let found = format!("found a part of {}, which is periodic", sides[index].face.name());
+        if let Some(index) = conditions.iter().position(is_part) {
+            let found =
+                format!("found a part of {}, which is periodic", conditions[index].face.name());
             let allowed = "leave the part out: a side is periodic as a whole";
-            return Err(root.error_at(&format!("boundary[{index}].side"), found, allowed));
+            return Err(root.key_error(&format!("boundary[{index}].side"), found, allowed));
         }
-        Ok(sides)
+        Ok(conditions)
     }
 
     /// Reads the velocities and spins that are zero on a mixed face.
     fn read_fixed_components(
         &self,
         section: &SectionReader,
-        side: BoundaryFace,
+        face: BoundaryFace,
     ) -> Result<Vec<StateComponent>, CaseError> {
-        let mut among = StateComponent::face_components(self.theory, self.dimensions(), side.axis);
+        let mut among = StateComponent::face_components(self.theory, self.dimensions(), face.axis);
         among.retain(|component| component.is_velocity());
         let names = component_names(&among);
         let find = |name: &str| StateComponent::find_by_name(name, self.theory, &among);
         section.read_distinct_list("fixed_components", &names, find)?.ok_or_else(|| {
             let allowed =
                 format!("add fixed_components, a list with any of {}", join_with_commas(&names));
-            section.error_at("fixed_components", "missing", allowed)
+            section.key_error("fixed_components", "missing", allowed)
         })
     }
 }

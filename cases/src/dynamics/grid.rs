@@ -94,7 +94,7 @@ impl SolidGrid {
         let mut section = root.open_required_section(&SCHEMA)?;
         if section.has_key("length") {
             let allowed = "give spacing, the cell size in m, instead";
-            return Err(section.error_at("length", "found for a solid", allowed));
+            return Err(section.key_error("length", "found for a solid", allowed));
         }
         let cells: Vec<usize> = section.read_required("cells")?;
         let d = cells.len();
@@ -104,7 +104,7 @@ impl SolidGrid {
             let numbers: Vec<String> = cells.iter().map(usize::to_string).collect();
             let found = format!("a grid of {}", numbers.join(" × "));
             let allowed = format!("expected at most {MAX_CELLS} cells in total");
-            return Err(section.error_at("cells", found, allowed));
+            return Err(section.key_error("cells", found, allowed));
         }
         let spacing = section.read_required("spacing")?;
         let origin = section.read_optional("origin")?.unwrap_or(vec![0.0; d]);
@@ -130,7 +130,7 @@ impl SolidGrid {
                     "expected a spacing at which cell coordinates along x{} differ in double precision",
                     axis + 1
                 );
-                return Err(section.error_at(key, found, allowed));
+                return Err(section.key_error(key, found, allowed));
             }
         }
         Ok(())

@@ -1,7 +1,8 @@
 //! The sections `[[joint]]`: layers between the blocks of a blocky medium.
 
-use super::block::{BlockTiling, tidy};
+use super::block::{BlockTiling, round_coordinate};
 use super::grid::SolidGrid;
+use super::joint_checks::{check_foreign_keys, constant_error, layer_end_name, read_open_ends};
 use super::joint_keys as groups;
 use super::reader::SolidReader;
 use super::shape::{RegionShape, SHAPE_KEYS};
@@ -10,7 +11,9 @@ use crate::error::CaseError;
 use crate::schema::{KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter, join_with_commas};
 use models::common::parameter::Presence;
-use models::interface::kinds::{LayerKind, MASS_OPTION, NORMAL_WORDS, TANGENTIAL_WORDS};
+use models::interface::kinds::{
+    LayerKind, MASS_OPTION, NORMAL_COMPONENT_NAMES, TANGENTIAL_COMPONENT_NAMES,
+};
 use models::interface::parameters::{LayerMaterial, MassDistribution};
 use models::registry;
 
@@ -23,13 +26,13 @@ const MIN_CELLS_WITH_JOINTS: usize = 3;
 /// Tolerance for the distance of a point from the plane of a face, relative to the spacing.
 const POINT_TOLERANCE: f64 = 1e-6;
 
-/// Words of the key `every`, and the axes that each selects.
-const EVERY_WORDS: [(&str, [bool; 2]); 3] =
+/// Allowed values of the key `every`, and whether each selects faces normal to x₁ and to x₂.
+const AXIS_SELECTIONS: [(&str, [bool; 2]); 3] =
     [("x1", [true, false]), ("x2", [false, true]), ("all", [true, true])];
 
-const EVERY_TYPE: ValueType =
-    ValueType::OneOf(|_| EVERY_WORDS.iter().map(|(word, _)| (*word).to_owned()).collect());
-const EVERY_MEANING: &str = "all faces between blocks normal to this axis, or all; with inside those whose centre is in the shape";
+const EVERY_KEY_TYPE: ValueType =
+    ValueType::OneOf(|_| AXIS_SELECTIONS.iter().map(|(word, _)| (*word).to_owned()).collect());
+const EVERY_KEY_MEANING: &str = "all faces between blocks normal to this axis, or all; with inside those whose centre is in the shape";
 
 /// Schema of the value of `inside`.
 const INSIDE_SCHEMA: TableSchema = TableSchema::new_inline_table(
@@ -55,14 +58,14 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "thin layer with mass between blocks, selected by every, between, inside or at; the faces of a layer coincide; of several entries for one face the last one applies; blocks without a joint are welded",
     &[
         KeyGroup::new(&[
-            KeySchema::new_required("every", EVERY_TYPE, "", "\"all\"", EVERY_MEANING)
+            KeySchema::new_required("every", EVERY_KEY_TYPE, "", "\"all\"", EVERY_KEY_MEANING)
                 .with_note("or give between, inside or at")
                 .with_conditions(&[
                     KeyCondition::Absent("between"),
                     KeyCondition::Absent("inside"),
                     KeyCondition::Absent("at"),
                 ]),
-            KeySchema::new_optional("every", EVERY_TYPE, "", "\"all\"", EVERY_MEANING)
+            KeySchema::new_optional("every", EVERY_KEY_TYPE, "", "\"all\"", EVERY_KEY_MEANING)
                 .with_conditions(&[
                     KeyCondition::Present("inside"),
                     KeyCondition::Absent("between"),
@@ -106,20 +109,20 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             .with_conditions(&[KeyCondition::Absent("normal")]),
             KeySchema::new_optional(
                 "normal",
-                ValueType::OneOf(|_| NORMAL_WORDS.map(str::to_owned).to_vec()),
+                ValueType::OneOf(|_| NORMAL_COMPONENT_NAMES.map(str::to_owned).to_vec()),
                 "",
                 "\"porous\"",
                 "law of the normal component; replaces kind",
             ),
             KeySchema::new_required(
                 "tangential",
-                ValueType::OneOf(|_| TANGENTIAL_WORDS.map(str::to_owned).to_vec()),
+                ValueType::OneOf(|_| TANGENTIAL_COMPONENT_NAMES.map(str::to_owned).to_vec()),
                 "",
                 "\"viscous\"",
                 "law of the tangential component",
             )
             .with_conditions(&[KeyCondition::Present("normal")]),
-            groups::THICKNESS,
+            groups::THICKNESS_KEY,
         ]),
         groups::ELASTIC_GROUP,
         groups::PLASTIC_GROUP,
@@ -136,7 +139,9 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
         groups::FRICTION_COMPONENT_GROUP,
         KeyGroup::new(&[KeySchema::new_with_default(
             MASS_OPTION.name,
-            ValueType::OneOf(|_| MASS_OPTION.words.iter().map(|word| (*word).to_owned()).collect()),
+            ValueType::OneOf(|_| {
+                MASS_OPTION.allowed_values.iter().map(|word| (*word).to_owned()).collect()
+            }),
             "",
             "\"box\"",
             MASS_OPTION.meaning,
@@ -144,41 +149,44 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     ],
 );
 
-/// Selection of common faces of two blocks.
+/// Selector of the faces between blocks on which a joint lies.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JointSelector {
-    /// Faces normal to one or both axes; with a shape only those whose centre is inside.
-    Every {
+    /// Faces normal to one or both axes; with a shape only those whose centre is inside it.
+    FacesNormalTo {
         /// Whether faces normal to each axis are selected.
         axes: [bool; 2],
-        /// Shape that contains the centres of the faces.
+        /// Shape inside which the centres of the faces lie; `None` for no restriction.
         inside: Option<RegionShape>,
     },
-    /// Faces between blocks of these names.
-    Between([String; 2]),
+    /// Faces between blocks of these two names.
+    BetweenNamedBlocks([String; 2]),
     /// The face that contains a point, m.
-    At([f64; 2]),
+    FaceContaining([f64; 2]),
 }
 
-/// Law of a joint.
+/// Law of a joint: kind of layer, constants and options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointLaw {
     /// Kind of layer.
     pub kind: LayerKind,
     /// Constants in the order of the registry entry of the kind, in SI units; `None` if absent.
     pub constants: Vec<Option<f64>>,
-    /// Distribution of mass.
+    /// Distribution of the mass of the layer.
     pub mass: MassDistribution,
     /// Whether a breaking layer breaks; true for other kinds.
     pub fracture: bool,
-    /// Layer built from constants and options.
+    /// Whether the fluid of a saturated layer flows out freely where the layer ends at a boundary of the domain; false for
+    /// other kinds.
+    pub has_open_ends: bool,
+    /// Constants of the layer, checked, with the options applied.
     pub material: LayerMaterial,
 }
 
-/// A section `[[joint]]`.
+/// A section `[[joint]]`: a law and the faces to which it applies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointEntry {
-    /// Selected faces.
+    /// Selector of the faces.
     pub selector: JointSelector,
     /// Law of the layer.
     pub law: JointLaw,
@@ -189,20 +197,22 @@ impl JointLaw {
         if section.has_key("normal") && section.has_key("kind") {
             let found = format!("found beside kind ({})", section.locate("kind"));
             let allowed = "give either kind, or normal and tangential";
-            return Err(section.error_at("normal", found, allowed));
+            return Err(section.key_error("normal", found, allowed));
         }
-        let normal = section.read_optional_choice("normal", &NORMAL_WORDS, |word| word)?;
+        let normal =
+            section.read_optional_choice("normal", &NORMAL_COMPONENT_NAMES, |word| word)?;
         let kind = match normal {
             Some(normal) => {
                 let tangential =
-                    section.read_choice("tangential", &TANGENTIAL_WORDS, |word| word)?;
+                    section.read_choice("tangential", &TANGENTIAL_COMPONENT_NAMES, |word| word)?;
                 registry::find_layer_by_components(normal, tangential).ok_or_else(|| {
                     let found = format!("found '{tangential}' with normal = '{normal}'");
-                    section.error_at("tangential", found, "no layer has these components")
+                    section.key_error("tangential", found, "no layer has these components")
                 })?
             }
             None => section.read_choice("kind", &registry::LAYERS, |layer| layer.name)?,
         };
+        check_foreign_keys(section, kind)?;
         let mut constants = Vec::new();
         for own in kind.parameters {
             constants.push(match own.presence {
@@ -212,18 +222,19 @@ impl JointLaw {
             });
         }
         let masses = [MassDistribution::Box, MassDistribution::Lumped];
-        let mass = section.read_optional_choice(MASS_OPTION.name, &masses, mass_word)?;
+        let mass =
+            section.read_optional_choice(MASS_OPTION.name, &masses, mass_distribution_name)?;
         let fracture = match kind.name {
             "breaking" => section.read_or_default("fracture")?,
             _ => true,
         };
         let given: Vec<f64> = constants.iter().map(|own| own.unwrap_or(f64::NAN)).collect();
-        let material = kind.build(&given).map_err(|error| {
-            let found = format!("found {}", error.rejected_value);
-            section.error_at(error.input, found, error.allowed_values)
-        })?;
+        let material =
+            kind.build(&given).map_err(|error| constant_error(section, kind, &constants, error))?;
         let material = if fracture { material } else { material.without_fracture() };
-        Ok(Self { kind, constants, mass: mass.unwrap_or_default(), fracture, material })
+        let has_open_ends = read_open_ends(section)?;
+        let mass = mass.unwrap_or_default();
+        Ok(Self { kind, constants, mass, fracture, has_open_ends, material })
     }
 
     fn write_keys(&self, table: TableWriter) -> TableWriter {
@@ -231,15 +242,17 @@ impl JointLaw {
         let constants = self.kind.parameters.iter().zip(&self.constants);
         let constants = constants.filter_map(|(own, value)| Some((own.name, (*value)?)));
         let table = constants.fold(table, |table, (name, value)| table.with_number(name, value));
-        let table = table.with_text(MASS_OPTION.name, mass_word(self.mass));
+        let table = table.with_text(MASS_OPTION.name, mass_distribution_name(self.mass));
         match self.kind.name {
             "breaking" => table.with_number("fracture", self.fracture),
+            "saturated" => table.with_text(groups::LAYER_ENDS, layer_end_name(self.has_open_ends)),
             _ => table,
         }
     }
 }
 
-const fn mass_word(mass: MassDistribution) -> &'static str {
+/// Returns the name of a distribution of mass in case files.
+const fn mass_distribution_name(mass: MassDistribution) -> &'static str {
     match mass {
         MassDistribution::Box => "box",
         MassDistribution::Lumped => "lumped",
@@ -258,19 +271,19 @@ impl JointSelector {
                 let found = format!("found beside {first} ({})", section.locate(first));
                 let allowed = "select the faces by one of every, between, inside, at, or by \
                                every and inside";
-                return Err(section.error_at(last, found, allowed));
+                return Err(section.key_error(last, found, allowed));
             }
         }
         if let Some(at) = section.read_optional::<Vec<f64>>("at")? {
             reader.check_position(section, &at, &[0, 1])?;
-            return Ok(Self::At([at[0], at[1]]));
+            return Ok(Self::FaceContaining([at[0], at[1]]));
         }
         if let Some(names) = section.read_optional::<Vec<String>>("between")? {
             let count = names.len();
             let names: Result<[String; 2], _> = names.try_into();
-            return names.map(Self::Between).map_err(|_| {
+            return names.map(Self::BetweenNamedBlocks).map_err(|_| {
                 let found = format!("found {count} names");
-                section.error_at("between", found, "expected the names of two blocks")
+                section.key_error("between", found, "expected the names of two blocks")
             });
         }
         let inside = match section.open_table("inside")? {
@@ -281,19 +294,19 @@ impl JointSelector {
             }
             None => None,
         };
-        let every = section.read_optional_choice("every", &EVERY_WORDS, |(word, _)| word)?;
+        let every = section.read_optional_choice("every", &AXIS_SELECTIONS, |(word, _)| word)?;
         if every.is_none() && inside.is_none() {
             let allowed = "select the faces: add every = \"x1\", \"x2\" or \"all\", or between, \
                            inside or at";
-            return Err(section.error_at("every", "missing", allowed));
+            return Err(section.key_error("every", "missing", allowed));
         }
-        Ok(Self::Every { axes: every.map_or([true; 2], |(_, axes)| axes), inside })
+        Ok(Self::FacesNormalTo { axes: every.map_or([true; 2], |(_, axes)| axes), inside })
     }
 
     fn write_keys(&self, table: TableWriter) -> TableWriter {
         match self {
-            Self::Every { axes, inside } => {
-                let word = EVERY_WORDS.iter().find(|(_, own)| own == axes);
+            Self::FacesNormalTo { axes, inside } => {
+                let word = AXIS_SELECTIONS.iter().find(|(_, own)| own == axes);
                 let table = table.with_text("every", word.map_or("all", |(word, _)| word));
                 match inside {
                     Some(shape) => {
@@ -302,47 +315,51 @@ impl JointSelector {
                     None => table,
                 }
             }
-            Self::Between([one, other]) => table.with_text_list("between", &[one, other]),
-            Self::At(at) => table.with_number("at", at),
+            Self::BetweenNamedBlocks([one, other]) => {
+                table.with_text_list("between", &[one, other])
+            }
+            Self::FaceContaining(at) => table.with_number("at", at),
         }
     }
 
-    /// Returns whether the selector selects a contact.
+    /// Returns whether the selector selects the common face `contact` of two blocks.
     fn selects(&self, contact: &BlockContact, grid: &SolidGrid, tiling: &BlockTiling) -> bool {
         match self {
-            Self::Every { axes, inside } => {
+            Self::FacesNormalTo { axes, inside } => {
                 axes[contact.axis]
-                    && inside.as_ref().is_none_or(|shape| shape.contains(&centre(contact, grid)))
+                    && inside
+                        .as_ref()
+                        .is_none_or(|shape| shape.contains(&contact_centre(contact, grid)))
             }
-            Self::Between([one, other]) => {
-                let [below, above] = contact.blocks.map(|block| tiling.block_name(block));
+            Self::BetweenNamedBlocks([one, other]) => {
+                let [below, above] = contact.block_indices.map(|block| tiling.block_name(block));
                 let (one, other) = (Some(one.as_str()), Some(other.as_str()));
                 (below == one && above == other) || (below == other && above == one)
             }
-            Self::At(point) => {
+            Self::FaceContaining(point) => {
                 let (axis, other) = (contact.axis, 1 - contact.axis);
-                let slack = [0, 1].map(|axis| POINT_TOLERANCE * grid.spacing[axis]);
-                let plane = edge(grid, axis, contact.position);
-                let [from, to] = [contact.along.start, contact.along.end];
-                (point[axis] - plane).abs() <= slack[axis]
-                    && point[other] >= edge(grid, other, from) - slack[other]
-                    && point[other] <= edge(grid, other, to) + slack[other]
+                let tolerance = [0, 1].map(|axis| POINT_TOLERANCE * grid.spacing[axis]);
+                let plane = lower_edge(grid, axis, contact.plane_index);
+                let [from, to] = [contact.tangential_cells.start, contact.tangential_cells.end];
+                (point[axis] - plane).abs() <= tolerance[axis]
+                    && point[other] >= lower_edge(grid, other, from) - tolerance[other]
+                    && point[other] <= lower_edge(grid, other, to) + tolerance[other]
             }
         }
     }
 }
 
 /// Returns the coordinate of the lower edge of a cell along an axis, m.
-fn edge(grid: &SolidGrid, axis: usize, cell: usize) -> f64 {
+fn lower_edge(grid: &SolidGrid, axis: usize, cell: usize) -> f64 {
     grid.origin[axis] + cell as f64 * grid.spacing[axis]
 }
 
-/// Returns the centre of a contact, m.
-fn centre(contact: &BlockContact, grid: &SolidGrid) -> [f64; 2] {
+/// Returns the centre of the common face `contact` of two blocks, m.
+fn contact_centre(contact: &BlockContact, grid: &SolidGrid) -> [f64; 2] {
     let (axis, other) = (contact.axis, 1 - contact.axis);
-    let middle = 0.5 * (contact.along.start + contact.along.end) as f64;
+    let middle = 0.5 * (contact.tangential_cells.start + contact.tangential_cells.end) as f64;
     let mut point = [0.0; 2];
-    point[axis] = edge(grid, axis, contact.position);
+    point[axis] = lower_edge(grid, axis, contact.plane_index);
     point[other] = grid.origin[other] + middle * grid.spacing[other];
     point
 }
@@ -356,7 +373,7 @@ impl JointEntry {
 }
 
 impl SolidReader<'_> {
-    /// Reads the sections `[[joint]]` and assigns them to the contacts of blocks.
+    /// Reads the sections `[[joint]]` and assigns the joints to the faces between blocks in `tiling`.
     pub(super) fn read_joints(
         &self,
         root: &SectionReader,
@@ -365,12 +382,12 @@ impl SolidReader<'_> {
         let sections = root.open_list(&SCHEMA)?;
         if sections.len() > MAX_JOINTS {
             let found = format!("{} joints", sections.len());
-            return Err(root.error_at("joint", found, format!("expected at most {MAX_JOINTS}")));
+            return Err(root.key_error("joint", found, format!("expected at most {MAX_JOINTS}")));
         }
         let mut entries = Vec::new();
         for (index, section) in sections.into_iter().enumerate() {
             let selector = JointSelector::read(self, &section)?;
-            if let JointSelector::Between(names) = &selector {
+            if let JointSelector::BetweenNamedBlocks(names) = &selector {
                 check_names(&section, names, tiling)?;
             }
             let law = JointLaw::read(&section)?;
@@ -382,23 +399,23 @@ impl SolidReader<'_> {
         Ok(entries)
     }
 
-    /// Checks that the blocks have enough cells along axes with joints.
+    /// Checks that blocks with joints normal to an axis have at least [`MIN_CELLS_WITH_JOINTS`] cells along it.
     fn check_block_lengths(
         &self,
         root: &SectionReader,
         tiling: &BlockTiling,
     ) -> Result<(), CaseError> {
         for contact in &tiling.contacts {
-            let Some(joint) = contact.joint else { continue };
-            for block in contact.blocks {
+            let Some(joint) = contact.joint_index else { continue };
+            for block in contact.block_indices {
                 let length = tiling.blocks[block].cells[contact.axis].len();
                 if length >= MIN_CELLS_WITH_JOINTS {
                     continue;
                 }
-                let entry = tiling.blocks[block].entry;
+                let entry = tiling.blocks[block].entry_index;
                 let is_part = length < tiling.entries[entry].cells[contact.axis];
                 let name = if is_part { "row_shift" } else { "cells" };
-                let at = centre(contact, self.grid).map(tidy);
+                let at = contact_centre(contact, self.grid).map(round_coordinate);
                 let found = format!(
                     "a {} of {length} cells along x{} beside the joint at {at:?} (joint[{joint}], {})",
                     if is_part { "part of a block" } else { "block" },
@@ -409,14 +426,14 @@ impl SolidReader<'_> {
                     "expected at least {MIN_CELLS_WITH_JOINTS} cells between joints, and between a \
                      joint and the boundary"
                 );
-                return Err(root.error_at(&format!("block[{entry}].{name}"), found, allowed));
+                return Err(root.key_error(&format!("block[{entry}].{name}"), found, allowed));
             }
         }
         Ok(())
     }
 }
 
-/// Checks that blocks of both names exist.
+/// Checks that blocks of both names given by the key `between` exist.
 fn check_names(
     section: &SectionReader,
     names: &[String; 2],
@@ -431,14 +448,14 @@ fn check_names(
     match names.iter().find(|name| !known.contains(&name.as_str())) {
         Some(name) if known.is_empty() => {
             let allowed = "no block has a name: add name = \"...\" to [[block]]";
-            Err(section.error_at("between", format!("found '{name}'"), allowed))
+            Err(section.key_error("between", format!("found '{name}'"), allowed))
         }
         Some(name) => Err(section.unknown_name_error("between", name, &known)),
         None => Ok(()),
     }
 }
 
-/// Assigns the joint `index` to the contacts that the selector selects.
+/// Assigns the joint with the index `index` to the faces between blocks that the selector selects.
 fn assign_joint(
     selector: &JointSelector,
     grid: &SolidGrid,
@@ -450,22 +467,22 @@ fn assign_joint(
     let mut count = 0;
     for contact in &mut contacts {
         if selector.selects(contact, grid, tiling) {
-            contact.joint = Some(index as u16); // fits u16: at most MAX_JOINTS joints are read
+            contact.joint_index = Some(index as u16); // fits u16: at most MAX_JOINTS joints are read
             count += 1;
         }
     }
     tiling.contacts = contacts;
     match (count, selector) {
         (0, _) => Err(no_face_error(selector, grid, tiling, section)),
-        (2.., JointSelector::At(at)) => {
+        (2.., JointSelector::FaceContaining(at)) => {
             let found = format!("found {at:?}, a point of {count} faces between blocks");
-            Err(section.error_at("at", found, "name a point inside one face, not at its end"))
+            Err(section.key_error("at", found, "name a point inside one face, not at its end"))
         }
         _ => Ok(()),
     }
 }
 
-/// Returns the error of a selector that selects no face.
+/// Builds the error of a selector that selects no face.
 fn no_face_error(
     selector: &JointSelector,
     grid: &SolidGrid,
@@ -475,64 +492,66 @@ fn no_face_error(
     if tiling.contacts.is_empty() {
         let key = ["every", "between", "inside", "at"].into_iter().find(|key| section.has_key(key));
         let allowed = "there is only one block: give it repeat, add blocks, or leave the joint out";
-        return section.error_at(key.unwrap_or("every"), "a joint without neighbours", allowed);
+        return section.key_error(key.unwrap_or("every"), "a joint without neighbours", allowed);
     }
     let planes = [0, 1].map(|axis| describe_planes(axis, grid, tiling)).join("; ");
     match selector {
-        JointSelector::Every { inside: None, axes } => {
+        JointSelector::FacesNormalTo { inside: None, axes } => {
             let axis = if axes[0] { "x1" } else { "x2" };
             let found = format!("no two blocks are neighbours along {axis}");
-            section.error_at("every", found, format!("faces between blocks: {planes}"))
+            section.key_error("every", found, format!("faces between blocks: {planes}"))
         }
-        JointSelector::Every { .. } => {
+        JointSelector::FacesNormalTo { .. } => {
             let found = "no face between two blocks has its centre in the shape";
-            section.error_at("inside", found, format!("faces between blocks: {planes}"))
+            section.key_error("inside", found, format!("faces between blocks: {planes}"))
         }
-        JointSelector::Between([one, other]) => {
+        JointSelector::BetweenNamedBlocks([one, other]) => {
             let found = format!("no block '{one}' is a neighbour of a block '{other}'");
             let allowed = format!("neighbours with names: {}", describe_neighbours(tiling));
-            section.error_at("between", found, allowed)
+            section.key_error("between", found, allowed)
         }
-        JointSelector::At(at) => {
+        JointSelector::FaceContaining(at) => {
             let found = format!("found {at:?}, a point on no face between two blocks");
-            section.error_at("at", found, format!("faces between blocks: {planes}"))
+            section.key_error("at", found, format!("faces between blocks: {planes}"))
         }
     }
 }
 
 /// Maximum number of planes or pairs of names listed in messages.
-const MAX_LISTED: usize = 8;
+const MAX_LISTED_ITEMS: usize = 8;
 
-/// Lists the planes of the faces normal to an axis.
+/// Lists the planes of the faces between blocks normal to an axis, for messages.
 fn describe_planes(axis: usize, grid: &SolidGrid, tiling: &BlockTiling) -> String {
     let own = tiling.contacts.iter().filter(|contact| contact.axis == axis);
-    let planes: std::collections::BTreeSet<usize> = own.map(|contact| contact.position).collect();
-    let mut words: Vec<String> = planes
+    let planes: std::collections::BTreeSet<usize> =
+        own.map(|contact| contact.plane_index).collect();
+    let mut descriptions: Vec<String> = planes
         .iter()
-        .take(MAX_LISTED)
-        .map(|plane| format!("{:?}", tidy(edge(grid, axis, *plane))))
+        .take(MAX_LISTED_ITEMS)
+        .map(|plane| format!("{:?}", round_coordinate(lower_edge(grid, axis, *plane))))
         .collect();
-    if planes.len() > MAX_LISTED {
-        words.push("…".to_owned());
+    if planes.len() > MAX_LISTED_ITEMS {
+        descriptions.push("…".to_owned());
     }
-    match words.is_empty() {
+    match descriptions.is_empty() {
         true => format!("none normal to x{}", axis + 1),
-        false => format!("normal to x{0} at x{0} = {1}", axis + 1, join_with_commas(&words)),
+        false => format!("normal to x{0} at x{0} = {1}", axis + 1, join_with_commas(&descriptions)),
     }
 }
 
-/// Lists the pairs of names of neighbours.
+/// Lists the pairs of names of neighbouring blocks, for messages.
 fn describe_neighbours(tiling: &BlockTiling) -> String {
     let mut pairs = std::collections::BTreeSet::new();
     for contact in &tiling.contacts {
-        let names = contact.blocks.map(|block| tiling.block_name(block));
+        let names = contact.block_indices.map(|block| tiling.block_name(block));
         if let [Some(one), Some(other)] = names {
             pairs.insert(if one <= other { (one, other) } else { (other, one) });
         }
     }
-    let words = pairs.iter().take(MAX_LISTED).map(|(one, other)| format!("{one} and {other}"));
+    let descriptions =
+        pairs.iter().take(MAX_LISTED_ITEMS).map(|(one, other)| format!("{one} and {other}"));
     match pairs.is_empty() {
         true => "none".to_owned(),
-        false => join_with_commas(&words.collect::<Vec<_>>()),
+        false => join_with_commas(&descriptions.collect::<Vec<_>>()),
     }
 }

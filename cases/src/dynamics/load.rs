@@ -128,13 +128,13 @@ impl SolidReader<'_> {
     ) -> Result<Vec<FaceLoad>, CaseError> {
         let mut loads = Vec::new();
         for mut section in root.open_list(&SCHEMA)? {
-            let side = self.read_face(&mut section)?;
-            if periodic.contains(&side) {
-                let found = format!("found {}, which is periodic", side.name());
+            let face = self.read_face(&mut section)?;
+            if periodic.contains(&face) {
+                let found = format!("found {}, which is periodic", face.name());
                 let allowed = "periodic faces carry no load; use [[source]], or load another face";
-                return Err(section.error_at("side", found, allowed));
+                return Err(section.key_error("side", found, allowed));
             }
-            let among = StateComponent::face_components(self.theory, self.dimensions(), side.axis);
+            let among = StateComponent::face_components(self.theory, self.dimensions(), face.axis);
             let field = self.read_component(&section, &among)?;
             let amplitude = section.read_required("amplitude")?;
             let action = self.read_loaded_area(&section, field)?;
@@ -142,7 +142,7 @@ impl SolidReader<'_> {
                 LoadedArea::Point { .. } if section.has_key("profile") => {
                     let allowed = "leave it out: what acts at a point has a kernel; a profile goes \
                                    with from and to, or with all of the side";
-                    return Err(section.error_at("profile", "found beside at", allowed));
+                    return Err(section.key_error("profile", "found beside at", allowed));
                 }
                 LoadedArea::Point { .. } => None,
                 _ => LoadProfile::read(&section)?,
@@ -150,7 +150,7 @@ impl SolidReader<'_> {
             let time = self.read_time_function(&section)?;
             section.finish()?;
             loads.push(FaceLoad {
-                face: side,
+                face,
                 component: field,
                 amplitude,
                 loaded_area: action,
@@ -174,11 +174,11 @@ impl SolidReader<'_> {
             (Some(_), Some(_)) => {
                 let allowed =
                     "give either at (a point) or from and to (a part of the face), not both";
-                Err(section.error_at("at", "found beside from and to", allowed))
+                Err(section.key_error("at", "found beside from and to", allowed))
             }
             (_, Some(_)) if field.is_velocity() => {
                 let allowed = "give a stress or couple stress, or from and to instead of at";
-                Err(section.error_at("at", format!("found for the velocity {field}"), allowed))
+                Err(section.key_error("at", format!("found for the velocity {field}"), allowed))
             }
             (None, Some(at)) => {
                 self.check_position(section, &at, &section.scope.face_axes)?;
@@ -187,7 +187,7 @@ impl SolidReader<'_> {
             (_, None) if kernel.is_some() => {
                 let key = if section.has_key("radius") { "radius" } else { "kernel" };
                 let allowed = "add at, the centre of the kernel, or leave it out";
-                Err(section.error_at(key, "found without at", allowed))
+                Err(section.key_error(key, "found without at", allowed))
             }
             (Some(part), None) => Ok(LoadedArea::Rectangle(part)),
             (None, None) => Ok(LoadedArea::WholeFace),

@@ -1,12 +1,14 @@
 //! The sections `[output]` and `[[receiver]]` of a solid.
 
+use super::blocks::Blocks;
 use super::component::{StateComponent, component_names, components_in_scope};
 use super::reader::SolidReader;
 use super::time;
 use crate::error::CaseError;
 use crate::receivers::{self, Interpolation, ReceiverDomain, ReceiverPoint, read_receivers};
 use crate::schema::{AllowedRange, KeyGroup, KeySchema, SchemaScope, TableSchema, ValueType};
-use crate::section::{SectionReader, TableWriter};
+use crate::section::{SectionReader, TableWriter, join_with_commas};
+use models::interface::parameters::{LayerMaterial, TangentialConstants};
 use std::fmt;
 
 /// Builds the key `ledger_interval`, the time between two rows of the energy ledger; `zero` describes the meaning of 0
@@ -62,9 +64,9 @@ pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
         KeySchema::new_optional(
             "fields",
             ValueType::AnyOf(|scope| {
-                let mut words = component_names(&components_in_scope(scope));
-                words.extend(integral_names(scope));
-                words
+                let mut names = component_names(&components_in_scope(scope));
+                names.extend(integral_names(scope));
+                names
             }),
             "",
             "[\"v1\", \"v2\"]",
@@ -100,15 +102,19 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
         KeySchema::new_with_default(
             "picture",
             ValueType::OneOf(|scope| {
-                let mut words = vec!["speed".to_owned()];
-                words.extend(component_names(&components_in_scope(scope)));
-                words.extend(integral_names(scope));
-                words.push("dissipation".to_owned());
-                words
+                let mut names = vec!["speed".to_owned()];
+                names.extend(component_names(&components_in_scope(scope)));
+                names.extend(integral_names(scope));
+                names.push("dissipation".to_owned());
+                // Joints exist in plane strain only.
+                if scope.dimensions != Some(3) {
+                    names.extend(FaceQuantity::ALL.map(|own| own.name().to_owned()));
+                }
+                names
             }),
             "",
             "\"speed\"",
-            "plotted quantity: speed, a component, one of integrals, or dissipation",
+            "plotted quantity: speed, a component, one of integrals, or dissipation; slip, opening or pressure of the fluid: of the faces of joints, drawn as lines",
         ),
         CONTOURS_KEY,
     ])],
@@ -167,6 +173,58 @@ pub enum PlottedQuantity {
     TimeIntegral(StateComponent),
     /// Plastic dissipation per unit volume, J/m³.
     Dissipation,
+    /// A quantity of the faces of joints, which are drawn as coloured lines.
+    Face(FaceQuantity),
+}
+
+/// Plotted quantity of the faces of joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceQuantity {
+    /// Accumulated slip χ, m.
+    Slip,
+    /// Gap between the blocks, m.
+    Opening,
+    /// Pressure of the fluid, Pa.
+    Pressure,
+}
+
+impl FaceQuantity {
+    /// All quantities.
+    pub const ALL: [Self; 3] = [Self::Slip, Self::Opening, Self::Pressure];
+
+    /// Returns the name of the quantity in case files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Slip => "slip",
+            Self::Opening => "opening",
+            Self::Pressure => "pressure",
+        }
+    }
+
+    /// Returns whether faces of a layer have the quantity.
+    fn is_in(self, layer: &LayerMaterial) -> bool {
+        match (self, layer) {
+            (Self::Slip, LayerMaterial::Plastic(..) | LayerMaterial::Breaking(..)) => true,
+            (Self::Slip, LayerMaterial::Cracked(_, friction)) => friction.is_some(),
+            (Self::Slip, LayerMaterial::Porous(_, _, shear)) => {
+                matches!(shear, TangentialConstants::Plastic { .. })
+            }
+            (Self::Opening, LayerMaterial::Cracked(..) | LayerMaterial::Breaking(..)) => true,
+            (Self::Pressure, LayerMaterial::Saturated(_)) => true,
+            _ => false,
+        }
+    }
+
+    /// Returns the kinds of joints whose faces have the quantity, for messages.
+    const fn kinds(self) -> &'static str {
+        match self {
+            Self::Slip => {
+                "elastic-plastic, breaking, porous-plastic, or cracked with shear_friction"
+            }
+            Self::Opening => "cracked, or breaking without fracture = false",
+            Self::Pressure => "saturated",
+        }
+    }
 }
 
 impl PlottedQuantity {
@@ -177,6 +235,7 @@ impl PlottedQuantity {
             Self::Component(component) => component.to_string(),
             Self::TimeIntegral(component) => component.integral_name().unwrap_or_default(),
             Self::Dissipation => "dissipation".to_owned(),
+            Self::Face(quantity) => quantity.name().to_owned(),
         }
     }
 }
@@ -235,11 +294,12 @@ impl SolidReader<'_> {
         read_receivers(root, &all, find, &domain)
     }
 
-    /// Reads the section `[output]`; `yields` states whether at least one medium yields.
+    /// Reads the section `[output]`; `yields` states whether at least one medium yields, `blocks` is the blocky medium.
     pub(super) fn read_output(
         &self,
         root: &SectionReader,
         yields: bool,
+        blocks: Option<&Blocks>,
     ) -> Result<SolidOutput, CaseError> {
         let mut output = SolidOutput {
             ledger_interval: 0.0,
@@ -256,35 +316,74 @@ impl SolidReader<'_> {
             .iter()
             .filter_map(|component| Some((component.integral_name()?, *component)))
             .collect();
-        let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
+        let names: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
         let find = |name: &str| possible.iter().find(|own| own.0 == name).map(|own| own.1);
         output.integrated_components =
-            section.read_distinct_list("integrals", &words, find)?.unwrap_or_default();
+            section.read_distinct_list("integrals", &names, find)?.unwrap_or_default();
         let mut pictures = vec![PlottedQuantity::Speed];
         pictures.extend(self.state_components.iter().copied().map(PlottedQuantity::Component));
         pictures.extend(
             output.integrated_components.iter().copied().map(PlottedQuantity::TimeIntegral),
         );
         pictures.push(PlottedQuantity::Dissipation);
-        let words: Vec<String> = pictures.iter().map(|picture| picture.name()).collect();
-        if let Some(name) = section.read_optional_text("picture", &words)? {
+        if blocks.is_some_and(Blocks::has_joints) {
+            pictures.extend(FaceQuantity::ALL.map(PlottedQuantity::Face));
+        }
+        let names: Vec<String> = pictures.iter().map(|picture| picture.name()).collect();
+        if let Some(name) = section.read_optional_text("picture", &names)? {
             let own = pictures.iter().copied().find(|picture| picture.name() == name);
             let component =
                 StateComponent::find_by_name(&name, self.theory, &self.state_components);
             let own = own.or(component.map(PlottedQuantity::Component));
+            check_face_quantity(&section, &name, blocks)?;
             output.plotted_quantity =
-                own.ok_or_else(|| section.unknown_name_error("picture", &name, &words))?;
+                own.ok_or_else(|| section.unknown_name_error("picture", &name, &names))?;
         }
         if output.plotted_quantity == PlottedQuantity::Dissipation && !yields {
             let allowed = "another picture, or a section [yield]";
-            return Err(section.error_at(
+            return Err(section.key_error(
                 "picture",
                 "found 'dissipation' in elastic media",
                 allowed,
             ));
         }
         output.contour_levels = section.read_optional("contours")?;
+        if let (PlottedQuantity::Face(quantity), Some(levels)) =
+            (output.plotted_quantity, &output.contour_levels)
+            && !levels.is_empty()
+        {
+            let found = format!("found with picture = '{}'", quantity.name());
+            let allowed = "leave it out: faces of joints are lines without contours";
+            return Err(section.key_error("contours", found, allowed));
+        }
         section.finish()?;
         Ok(output)
     }
+}
+
+/// Checks that faces of the joints have the quantity `name`, if it is one of joints.
+fn check_face_quantity(
+    section: &SectionReader,
+    name: &str,
+    blocks: Option<&Blocks>,
+) -> Result<(), CaseError> {
+    let Some(quantity) = FaceQuantity::ALL.into_iter().find(|own| own.name() == name) else {
+        return Ok(());
+    };
+    let joints = || {
+        let contacts = blocks.into_iter().flat_map(|blocks| &blocks.contacts);
+        contacts.filter_map(|contact| blocks?.joints.get(usize::from(contact.joint_index?)))
+    };
+    if joints().any(|joint| quantity.is_in(&joint.law.material)) {
+        return Ok(());
+    }
+    let mut kinds: Vec<&str> = joints().map(|joint| joint.law.kind.name).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let found = match kinds.is_empty() {
+        true => format!("found '{name}', a quantity of joints, without joints"),
+        false => format!("found '{name}' with joints of kind {}", join_with_commas(&kinds)),
+    };
+    let allowed = format!("another picture, or a joint of kind {}", quantity.kinds());
+    Err(section.key_error("picture", found, allowed))
 }

@@ -127,8 +127,8 @@ impl LoadProfile {
         distance: impl Fn(&[f64], &[f64]) -> f64,
     ) -> f64 {
         let coordinate = |axis: &usize| {
-            let place = axes.iter().position(|own| own == axis);
-            place.and_then(|place| position.get(place)).copied().unwrap_or(0.0)
+            let axis_index = axes.iter().position(|own| own == axis);
+            axis_index.and_then(|axis_index| position.get(axis_index)).copied().unwrap_or(0.0)
         };
         match self {
             Self::Cos { axis, wavelength, phase_deg } => {
@@ -139,6 +139,14 @@ impl LoadProfile {
                 _ => 0.0,
             },
             Self::Table { axis, samples } => samples.interpolate(coordinate(axis)),
+        }
+    }
+
+    /// Returns the samples of a tabulated profile; `None` for the others, whose magnitude is at most 1.
+    pub const fn samples(&self) -> Option<&Samples> {
+        match self {
+            Self::Table { samples, .. } => Some(samples),
+            Self::Cos { .. } | Self::Bell { .. } => None,
         }
     }
 

@@ -86,7 +86,7 @@ impl SolidReader<'_> {
         let sections = root.open_list(&SCHEMA)?;
         if sections.len() > MAX_REGIONS {
             let allowed = format!("expected at most {MAX_REGIONS}");
-            return Err(root.error_at("region", format!("{} regions", sections.len()), allowed));
+            return Err(root.key_error("region", format!("{} regions", sections.len()), allowed));
         }
         let mut regions: Vec<MaterialRegion> = Vec::new();
         let mut rest: Option<usize> = None;
@@ -95,10 +95,10 @@ impl SolidReader<'_> {
             if shape == RegionShape::Complement
                 && let Some(first) = rest.replace(index)
             {
-                let place = root.locate(&format!("region[{first}]"));
+                let position = root.locate(&format!("region[{first}]"));
                 let found =
-                    format!("a second region with shape rest, after region[{first}] ({place})");
-                return Err(section.error_at("shape", found, "use shape = \"rest\" once"));
+                    format!("a second region with shape rest, after region[{first}] ({position})");
+                return Err(section.key_error("shape", found, "use shape = \"rest\" once"));
             }
             let material = material(&section)?;
             section.finish()?;

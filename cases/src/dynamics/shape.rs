@@ -142,15 +142,15 @@ impl RegionShape {
     /// Returns the names of the shapes in `dimensions` dimensions, or in 2 and 3 dimensions if unknown; `extra` is the
     /// shape without parameters that the section allows.
     pub(super) fn allowed_names_in_scope(dimensions: Option<usize>, extra: &Self) -> Vec<String> {
-        let mut words: Vec<String> = Vec::new();
+        let mut names: Vec<String> = Vec::new();
         for d in dimensions.map_or(2..=3, |d| d..=d) {
             for name in Self::allowed_names(d, extra) {
-                if !words.iter().any(|own| own == name) {
-                    words.push(name.to_owned());
+                if !names.iter().any(|own| own == name) {
+                    names.push(name.to_owned());
                 }
             }
         }
-        words
+        names
     }
 
     /// Returns whether the shape contains a point; false for [`RegionShape::Complement`], which depends on the other
@@ -216,7 +216,7 @@ impl SolidReader<'_> {
             && names[index] != found
         {
             let found = format!("found '{found}' in a grid of {d} dimensions");
-            return Err(section.error_at("shape", found, format!("write {}", names[index])));
+            return Err(section.key_error("shape", found, format!("write {}", names[index])));
         }
         let index = section.read_choice("shape", &[0, 1, 2, 3, 4], |index: usize| names[index])?;
         Ok(match index {

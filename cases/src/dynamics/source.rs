@@ -170,11 +170,11 @@ impl Kernel {
                 let found =
                     found.map_or("missing".to_owned(), |radius| format!("found {radius:?}"));
                 let allowed = "expected a positive number in m (radius of the bell)";
-                Err(section.error_at("radius", found, allowed))
+                Err(section.key_error("radius", found, allowed))
             }
             (name, _) => {
                 let found = format!("found beside kernel = \"{}\"", name.unwrap_or_default());
-                Err(section.error_at("radius", found, "leave it out, or write kernel = \"bell\""))
+                Err(section.key_error("radius", found, "leave it out, or write kernel = \"bell\""))
             }
         }
     }
@@ -272,6 +272,6 @@ impl SolidReader<'_> {
         }
         let found = format!("found {what} in a solid without spin");
         let allowed = "use a Cosserat solid in model.kind, or another kind here";
-        Err(section.error_at(key, found, allowed))
+        Err(section.key_error(key, found, allowed))
     }
 }

@@ -68,7 +68,7 @@ impl Gravity {
             let stated = if section.has_key("balanced") { "" } else { ", the default," };
             let found = format!("found true{stated} with the acceleration {acceleration:?}");
             let allowed = "give an acceleration along one axis, or set balanced = false";
-            return Err(section.error_at("balanced", found, allowed));
+            return Err(section.key_error("balanced", found, allowed));
         }
         let lateral_ratio = section.read_or_default("lateral_ratio")?;
         section.finish()?;
@@ -124,7 +124,7 @@ impl SolidReader<'_> {
                 };
                 let Some(value) = node.as_value().and_then(parse_number) else {
                     let allowed = format!("expected a finite number in {}", stress_unit(component));
-                    return Err(section.error_at(
+                    return Err(section.key_error(
                         name,
                         format!("found {}", node.describe()),
                         allowed,
@@ -135,7 +135,7 @@ impl SolidReader<'_> {
                         let found = format!("a second value of {component}");
                         let allowed =
                             "give one: the stress tensor of a classical solid is symmetric";
-                        return Err(section.error_at(name, found, allowed));
+                        return Err(section.key_error(name, found, allowed));
                     }
                 }
             }

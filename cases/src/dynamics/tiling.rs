@@ -1,22 +1,22 @@
-//! Tiling of a rectangle by rectangles: check, and contacts between neighbours.
+//! Tiling of a rectangle by rectangular blocks: check of the tiling, and the common faces of neighbours (contacts).
 //!
-//! Both come from sweeps of a line across the blocks. The sweep keeps the front (skyline): intervals along the line, each
-//! with the block that ends there. Blocks are added in the order of their lower ends. They tile their bounding box if and
-//! only if each added block begins exactly at the front, and the front ends at the upper end. A sweep of n blocks takes
-//! O(n log n) operations.
+//! Both are computed by a sweep line that moves across the blocks. The sweep keeps the front (skyline): intervals along
+//! the line, each with the block that ends there. Blocks are added in the order of their lower ends. They tile their
+//! bounding box if and only if each added block begins exactly at the front, and the front ends at the upper end. A
+//! sweep of n blocks takes O(n log n) operations.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A block in the grid.
+/// A block in the grid: a rectangle of cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlacedBlock {
     /// Index of the section `[[block]]`, from 0.
-    pub entry: usize,
+    pub entry_index: usize,
     /// Cells along each axis.
     pub cells: [Range<usize>; 2],
     /// Index of the material.
-    pub material: usize,
+    pub material_index: usize,
 }
 
 /// Common face of two blocks.
@@ -24,17 +24,17 @@ pub struct PlacedBlock {
 pub struct BlockContact {
     /// Axis normal to the face.
     pub axis: usize,
-    /// Index along the normal axis of the cells above the face.
-    pub position: usize,
-    /// Cells along the other axis.
-    pub along: Range<usize>,
+    /// Index along the normal axis of the plane of the face: that of the cells above it.
+    pub plane_index: usize,
+    /// Range of cells of the face along the other axis.
+    pub tangential_cells: Range<usize>,
     /// Indices of the blocks below and above the face.
-    pub blocks: [usize; 2],
+    pub block_indices: [usize; 2],
     /// Index of the joint; `None` if the blocks are welded.
-    pub joint: Option<u16>,
+    pub joint_index: Option<u16>,
 }
 
-/// First place at which blocks do not tile their bounding box.
+/// Fault of a tiling, the first one found: two blocks overlap, or cells belong to no block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum TilingFault {
     /// Two blocks have common cells.
@@ -46,22 +46,25 @@ pub(super) enum TilingFault {
         /// Lower corner of the common cells.
         corner: [usize; 2],
     },
-    /// Cells in no block.
+    /// A row of cells belongs to no block.
     Gap {
         /// Neighbour of the gap: the block above it, else below it.
         block: usize,
         /// Lower corner of the gap.
         corner: [usize; 2],
-        /// Cells of the gap along x₁.
+        /// Number of cells of the gap along x₁.
         length: usize,
     },
 }
 
-/// Interval of the front: end, height, and the block that ends there.
+/// Interval of the front: the region below it is covered by blocks.
 #[derive(Clone, Copy)]
 struct FrontInterval {
+    /// End of the interval along the sweep line; its start is the key of the map of intervals.
     end: usize,
+    /// Position of the front along the sweep axis.
     height: usize,
+    /// Index of the block that ends at the front; `None` at the start of the sweep.
     block: Option<usize>,
 }
 
@@ -71,15 +74,15 @@ pub(super) fn find_contacts(
     blocks: &[PlacedBlock],
     extent: [usize; 2],
 ) -> Result<Vec<BlockContact>, TilingFault> {
-    // The first sweep determines gap and overlap; it runs along x₂, so that gaps are described along x₁.
-    let across = sweep(blocks, extent, 1)?;
-    let mut contacts = sweep(blocks, extent, 0)?;
-    contacts.extend(across);
+    // The first sweep, along x₂, finds every fault, so that gaps are described along x₁.
+    let normal_to_x2 = sweep_along_axis(blocks, extent, 1)?;
+    let mut contacts = sweep_along_axis(blocks, extent, 0)?;
+    contacts.extend(normal_to_x2);
     Ok(contacts)
 }
 
-/// Sweeps along `axis`; returns the contacts normal to it.
-fn sweep(
+/// Checks the tiling by a sweep along `axis` and returns the contacts normal to it.
+fn sweep_along_axis(
     blocks: &[PlacedBlock],
     extent: [usize; 2],
     axis: usize,
@@ -100,9 +103,9 @@ fn sweep(
         let Range { start: bottom, end: top } = blocks[block].cells[axis];
         let along = blocks[block].cells[other].clone();
         let first = front.range(..=along.start).next_back().map_or(0, |(start, _)| *start);
-        let touched: Vec<(usize, FrontInterval)> =
+        let touched_intervals: Vec<(usize, FrontInterval)> =
             front.range(first..along.end).map(|(start, own)| (*start, *own)).collect();
-        for &(start, own) in &touched {
+        for &(start, own) in &touched_intervals {
             let common = start.max(along.start)..own.end.min(along.end);
             if own.height > bottom {
                 let first = own.block.unwrap_or(block);
@@ -116,10 +119,10 @@ fn sweep(
             if let Some(below) = own.block {
                 contacts.push(BlockContact {
                     axis,
-                    position: bottom,
-                    along: common,
-                    blocks: [below, block],
-                    joint: None,
+                    plane_index: bottom,
+                    tangential_cells: common,
+                    block_indices: [below, block],
+                    joint_index: None,
                 });
             }
             front.remove(&start);
@@ -133,8 +136,8 @@ fn sweep(
         let end = along.end;
         front.insert(along.start, FrontInterval { end, height: top, block: Some(block) });
     }
-    let open = front.iter().find(|(_, own)| own.height < extent[axis]);
-    match open {
+    let unfilled = front.iter().find(|(_, own)| own.height < extent[axis]);
+    match unfilled {
         Some((&start, own)) => Err(TilingFault::Gap {
             block: own.block.unwrap_or(0),
             corner: corner(own.height, start),
@@ -148,12 +151,12 @@ fn sweep(
 mod tests {
     use super::*;
 
-    fn place(cells: [Range<usize>; 2]) -> PlacedBlock {
-        PlacedBlock { entry: 0, cells, material: 0 }
+    fn new_block(cells: [Range<usize>; 2]) -> PlacedBlock {
+        PlacedBlock { entry_index: 0, cells, material_index: 0 }
     }
 
-    /// Splits a rectangle at random; the result tiles it.
-    fn split(
+    /// Splits a rectangle at random into blocks that tile it.
+    fn split_rectangle(
         cells: [Range<usize>; 2],
         depth: usize,
         random: &mut impl FnMut() -> usize,
@@ -162,29 +165,30 @@ mod tests {
         let axis = random() % 2;
         let own = cells[axis].clone();
         if depth == 0 || own.len() < 2 {
-            return all.push(place(cells));
+            return all.push(new_block(cells));
         }
         let middle = own.start + 1 + random() % (own.len() - 1);
         for part in [own.start..middle, middle..own.end] {
             let mut inner = cells.clone();
             inner[axis] = part;
-            split(inner, depth - 1, random, all);
+            split_rectangle(inner, depth - 1, random, all);
         }
     }
 
-    fn owners(blocks: &[PlacedBlock], [n1, n2]: [usize; 2]) -> Vec<Vec<usize>> {
-        let mut owners = vec![Vec::new(); n1 * n2];
+    /// Lists for each cell the indices of the blocks that contain it.
+    fn cell_owners(blocks: &[PlacedBlock], [n1, n2]: [usize; 2]) -> Vec<Vec<usize>> {
+        let mut cell_owners = vec![Vec::new(); n1 * n2];
         for (index, block) in blocks.iter().enumerate() {
             for j in block.cells[1].clone() {
                 for i in block.cells[0].clone() {
-                    owners[i + n1 * j].push(index);
+                    cell_owners[i + n1 * j].push(index);
                 }
             }
         }
-        owners
+        cell_owners
     }
 
-    /// Compares contacts and faults with those of a search over all cells.
+    /// Contacts and faults of random tilings, sound and damaged, agree with a search over all cells.
     #[test]
     fn contacts_and_faults_of_random_tilings_equal_those_of_all_cells() {
         let mut state = 1u64;
@@ -195,9 +199,9 @@ mod tests {
         let extent = [23, 17];
         for round in 0..400 {
             let mut blocks = Vec::new();
-            split([0..extent[0], 0..extent[1]], 5, &mut random, &mut blocks);
+            split_rectangle([0..extent[0], 0..extent[1]], 5, &mut random, &mut blocks);
             let index = random() % blocks.len();
-            // Every second tiling is damaged: a block is removed, or moved by one cell.
+            // Every second tiling is damaged: a block is removed or moved by one cell.
             match round % 4 {
                 1 if blocks.len() > 1 => _ = blocks.remove(index),
                 3 => {
@@ -208,42 +212,43 @@ mod tests {
                 }
                 _ => {}
             }
-            let owners = owners(&blocks, extent);
-            let is_tiling = owners.iter().all(|own| own.len() == 1);
+            let cell_owners = cell_owners(&blocks, extent);
+            let is_tiling = cell_owners.iter().all(|own| own.len() == 1);
             match find_contacts(&blocks, extent) {
                 Ok(contacts) => {
                     assert!(is_tiling, "{blocks:?}");
                     let mut expected = 0;
-                    for (cell, own) in owners.iter().enumerate() {
+                    for (cell, own) in cell_owners.iter().enumerate() {
                         let [i, j] = [cell % extent[0], cell / extent[0]];
                         let is_face = |axis: usize| {
                             let below = match axis {
                                 0 => i.checked_sub(1).map(|i| i + extent[0] * j),
                                 _ => j.checked_sub(1).map(|j| i + extent[0] * j),
                             };
-                            below.filter(|below| owners[*below] != *own)
+                            below.filter(|below| cell_owners[*below] != *own)
                         };
                         for (axis, below) in (0..2).filter_map(|axis| Some((axis, is_face(axis)?)))
                         {
                             expected += 1;
                             let [position, along] = if axis == 0 { [i, j] } else { [j, i] };
-                            let pair = [owners[below][0], own[0]];
+                            let pair = [cell_owners[below][0], own[0]];
                             assert!(contacts.iter().any(|contact| contact.axis == axis
-                                && contact.position == position
-                                && contact.along.contains(&along)
-                                && contact.blocks == pair));
+                                && contact.plane_index == position
+                                && contact.tangential_cells.contains(&along)
+                                && contact.block_indices == pair));
                         }
                     }
-                    let total: usize = contacts.iter().map(|contact| contact.along.len()).sum();
+                    let total: usize =
+                        contacts.iter().map(|contact| contact.tangential_cells.len()).sum();
                     assert_eq!(total, expected);
                 }
                 Err(TilingFault::Overlap { first, second, corner: [i, j] }) => {
-                    let own = &owners[i + extent[0] * j];
+                    let own = &cell_owners[i + extent[0] * j];
                     assert!(own.contains(&first) && own.contains(&second) && first != second);
                 }
                 Err(TilingFault::Gap { corner: [i, j], length, .. }) => {
                     for i in i..i + length {
-                        assert!(owners[i + extent[0] * j].is_empty());
+                        assert!(cell_owners[i + extent[0] * j].is_empty());
                     }
                 }
             }

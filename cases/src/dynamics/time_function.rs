@@ -184,6 +184,11 @@ impl Samples {
         &self.samples
     }
 
+    /// Returns the largest magnitude of the values; interpolation does not exceed it.
+    pub fn max_magnitude(&self) -> f64 {
+        self.samples.iter().fold(0.0, |max, [_, value]| max.max(value.abs()))
+    }
+
     /// Interpolates linearly at the time (s) or coordinate (m) `t`; exact at samples, 0 outside the sampled interval.
     pub(super) fn interpolate(&self, t: f64) -> f64 {
         let next = self.samples.partition_point(|[time, _]| *time <= t);
@@ -253,6 +258,18 @@ impl TimeFunction {
                 let times = samples.samples().windows(2).map(|pair| pair[1][0] - pair[0][0]);
                 times.reduce(f64::min)
             }
+        }
+    }
+
+    /// Returns the samples of a tabulated function; `None` for the others, whose magnitude is at most 1.
+    pub const fn samples(&self) -> Option<&Samples> {
+        match self {
+            Self::Table(samples) => Some(samples),
+            Self::Step { .. }
+            | Self::Triangle { .. }
+            | Self::Pulse { .. }
+            | Self::Ricker { .. }
+            | Self::Sine { .. } => None,
         }
     }
 
@@ -338,20 +355,20 @@ impl SolidReader<'_> {
         let file: String = section.read_required("file")?;
         let path = self.case_folder.join(&file);
         let unreadable = |cause: &str| {
-            section.error_at("file", format!("'{}': {cause}", escape(&file)), FILE_REQUIREMENT)
+            section.key_error("file", format!("'{}': {cause}", escape(&file)), FILE_REQUIREMENT)
         };
         let bytes = files::read_regular_file_up_to(&path, MAX_SAMPLE_FILE_SIZE)
             .map_err(|error| unreadable(&error.to_string()))?;
         let text = std::str::from_utf8(&bytes).map_err(|_| unreadable("not UTF-8 text"))?;
         let samples = parse_samples(text).map_err(|(line, found, allowed)| CaseError::Key {
-            place: SourcePosition::Line { file: path.display().to_string(), line },
+            position: SourcePosition::Line { file: path.display().to_string(), line },
             key: section.full_key("file"),
             found,
             allowed: allowed.to_owned(),
         })?;
         let found = format!("'{}' has {}", escape(&file), format_count(samples.len(), "sample"));
         let samples = Samples::new(samples)
-            .ok_or_else(|| section.error_at("file", found, TOO_FEW_SAMPLES))?;
+            .ok_or_else(|| section.key_error("file", found, TOO_FEW_SAMPLES))?;
         Ok(Samples { source_file: SampleFile(Some(path.into())), ..samples })
     }
 }

@@ -128,7 +128,7 @@ impl FlowGrid {
         let section = root.open_required_section(&GRID_SCHEMA)?;
         if section.has_key("spacing") {
             let allowed = "give length, the edge lengths of the box at t = 0 in m, instead";
-            return Err(section.error_at("spacing", "found for a flow", allowed));
+            return Err(section.key_error("spacing", "found for a flow", allowed));
         }
         let cells: Vec<usize> = section.read_required("cells")?;
         let Ok(cells) = <[usize; 2]>::try_from(cells) else {
@@ -137,7 +137,7 @@ impl FlowGrid {
         if cells[0].checked_mul(cells[1]).is_none_or(|count| count > MAX_GRID_POINTS) {
             let found = format!("{} × {} points", cells[0], cells[1]);
             let allowed = format!("expected at most {MAX_GRID_POINTS} in total");
-            return Err(section.error_at("cells", found, allowed));
+            return Err(section.key_error("cells", found, allowed));
         }
         let lengths: Vec<f64> = section.read_required("length")?;
         let lengths =

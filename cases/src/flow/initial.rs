@@ -274,7 +274,7 @@ impl FlowReader<'_> {
         if parts.is_empty() {
             let allowed = "add [[initial]] with kind = \"noise\", field = \"v\", from, to, amplitude \
                            and seed: an unperturbed flow does not change";
-            return Err(root.error_at("initial", "missing", allowed));
+            return Err(root.key_error("initial", "missing", allowed));
         }
         Ok(parts)
     }
@@ -304,7 +304,7 @@ impl FlowReader<'_> {
                 "at most {} and {}: use more grid points, or a longer wave",
                 greatest[0], greatest[1]
             );
-            return Err(section.error_at("mode", found, allowed));
+            return Err(section.key_error("mode", found, allowed));
         }
         let field = self.read_field(section)?;
         let amplitude = Self::read_amplitude(section, field)?;
@@ -321,7 +321,7 @@ impl FlowReader<'_> {
         let (from, to): (f64, f64) = (section.read_required("from")?, section.read_required("to")?);
         if to < from {
             let found = format!("found {to:?} with from = {from:?}");
-            return Err(section.error_at("to", found, "to must be at least from"));
+            return Err(section.key_error("to", found, "to must be at least from"));
         }
         let [first, second] = self.grid.max_mode_numbers();
         let greatest = first.min(second) as f64;
@@ -331,13 +331,13 @@ impl FlowReader<'_> {
                 self.grid.points[0], self.grid.points[1]
             );
             let allowed = format!("at most {greatest:?}: use more grid points, or longer waves");
-            return Err(section.error_at("to", found, allowed));
+            return Err(section.key_error("to", found, allowed));
         }
         let first = |m1: i64| (from * from - (m1 * m1) as f64).max(0.0).sqrt().ceil();
         let holds = |m1: i64| first(m1).powi(2) + (m1 * m1) as f64 <= to * to;
         if !(0..=to as i64).any(holds) {
             let found = format!("no mode with √(m₁² + m₂²) between {from:?} and {to:?}");
-            return Err(section.error_at("to", found, "use a wider band, e.g. from = 1 to = 8"));
+            return Err(section.key_error("to", found, "use a wider band, e.g. from = 1 to = 8"));
         }
         let amplitude = Self::read_amplitude(section, field)?;
         let seed = section.read_required("seed")?;
@@ -355,7 +355,7 @@ impl FlowReader<'_> {
         if fields.is_empty() {
             let found = "found 'uniform' for the model plastic-potential";
             let allowed = "use another kind: this model evolves the velocity only, and a uniform velocity is part of the mean flow";
-            return Err(section.error_at("kind", found, allowed));
+            return Err(section.key_error("kind", found, allowed));
         }
         let field = section.read_choice("field", fields, PerturbedField::name)?;
         Ok(FlowPerturbation::Uniform { field, amplitude: Self::read_amplitude(section, field)? })
@@ -366,7 +366,7 @@ impl FlowReader<'_> {
     fn read_archive_entry(&self, section: &SectionReader) -> Result<FlowPerturbation, CaseError> {
         let file: String = section.read_required("path")?;
         let unreadable = |cause: &str| {
-            section.error_at("path", format!("'{}': {cause}", escape(&file)), ARCHIVE_REQUIREMENT)
+            section.key_error("path", format!("'{}': {cause}", escape(&file)), ARCHIVE_REQUIREMENT)
         };
         let path = std::path::absolute(self.case_folder.join(&file))
             .map_err(|error| unreadable(&error.to_string()))?;

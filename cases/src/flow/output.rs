@@ -195,12 +195,12 @@ impl FlowReader<'_> {
         output.ledger_interval = section.read_or_default("ledger_interval")?;
         output.snapshot_interval = section.read_or_default("snapshot_interval")?;
         let all = FlowQuantity::all_fields(self.rotation);
-        let words: Vec<&str> =
+        let names: Vec<&str> =
             [SPEED_NAME].into_iter().chain(all.iter().map(|own| own.name())).collect();
-        if let Some(name) = section.read_optional_text("picture", &words)? {
+        if let Some(name) = section.read_optional_text("picture", &names)? {
             output.plotted_field = find_field(&all, &name);
             if output.plotted_field.is_none() && name != SPEED_NAME {
-                return Err(section.unknown_name_error("picture", &name, &words));
+                return Err(section.unknown_name_error("picture", &name, &names));
             }
         }
         output.contour_levels = section.read_optional("contours")?;

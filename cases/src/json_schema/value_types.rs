@@ -126,14 +126,14 @@ pub(super) fn build_type_schema(value: &ValueType, scope: &SchemaScope) -> Value
             let count = json!({ "type": "integer", "minimum": 2 });
             json!({ "anyOf": [count.clone(), build_list_schema(count, 1, most)] })
         }
-        ValueType::OneOf(words) => json!({ "enum": words(scope) }),
-        ValueType::AnyOf(words) => {
-            let items = json!({ "enum": words(scope) });
+        ValueType::OneOf(allowed_names) => json!({ "enum": allowed_names(scope) }),
+        ValueType::AnyOf(allowed_names) => {
+            let items = json!({ "enum": allowed_names(scope) });
             json!({ "type": "array", "items": items, "uniqueItems": true })
         }
-        ValueType::Table(form) => build_table_schema(form, scope),
-        ValueType::TableList(form) => {
-            json!({ "type": "array", "items": build_table_schema(form, scope), "minItems": 1 })
+        ValueType::Table(table_schema) => build_table_schema(table_schema, scope),
+        ValueType::TableList(table_schema) => {
+            json!({ "type": "array", "items": build_table_schema(table_schema, scope), "minItems": 1 })
         }
         ValueType::IndexList => {
             json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } })

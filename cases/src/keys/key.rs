@@ -1,12 +1,12 @@
 //! A row of the key table: a key, the media that use the key, and the storage of its value.
 
-use crate::kind::{MediumKind, ModelKind, Solid, Yield};
+use crate::kind::{MediumKind, ModelKind, SolidKind, YieldSetKind};
 use crate::numbers::CaseNumbers;
 use crate::schema::{AllowedRange, ValueType};
 use crate::value::CaseValue;
 pub use models::common::parameter::Presence;
-use models::common::parameter::{ANGLE_UNIT, Parameter as Constant};
-use models::flow::FlowKind as Flow;
+use models::common::parameter::{ANGLE_UNIT, Parameter};
+use models::flow::FlowKind;
 use models::registry;
 
 /// A row of the key table.
@@ -35,8 +35,8 @@ pub struct Key {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ModelFilter {
     AllModels,
-    Flows(fn(Flow) -> bool),
-    Solids(fn(Solid) -> bool),
+    Flows(fn(FlowKind) -> bool),
+    Solids(fn(SolidKind) -> bool),
     /// Models, both flows and solids, with a constant of this name.
     HavingConstant(&'static str),
 }
@@ -44,14 +44,14 @@ pub(super) enum ModelFilter {
 /// Yield sets that use a key.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum YieldSetFilter {
-    Predicate(fn(Yield) -> bool),
+    Predicate(fn(YieldSetKind) -> bool),
     /// Yield sets with a constant of this name.
     HavingConstant(&'static str),
 }
 
 impl YieldSetFilter {
     /// Returns whether the yield set `set` uses the key in the solid `solid`.
-    fn is_satisfied_by(self, set: Yield, solid: Solid) -> bool {
+    fn is_satisfied_by(self, set: YieldSetKind, solid: SolidKind) -> bool {
         set.is_compatible(solid)
             && match self {
                 Self::Predicate(uses) => uses(set),
@@ -154,7 +154,7 @@ impl KeyStorage {
 
 impl Key {
     /// Builds the row of a constant of a model.
-    pub(super) fn from_model_constant(constant: &'static Constant) -> Self {
+    pub(super) fn from_model_constant(constant: &'static Parameter) -> Self {
         let name = constant.name;
         Self::from_constant(
             "model",
@@ -166,7 +166,7 @@ impl Key {
     }
 
     /// Builds the row of a constant of a yield set.
-    pub(super) fn from_yield_constant(constant: &'static Constant) -> Self {
+    pub(super) fn from_yield_constant(constant: &'static Parameter) -> Self {
         let name = constant.name;
         let sets = Some(YieldSetFilter::HavingConstant(name));
         Self::from_constant(
@@ -180,12 +180,12 @@ impl Key {
 
     fn from_constant(
         section: &str,
-        constant: &'static Constant,
+        constant: &'static Parameter,
         users: ModelFilter,
         sets: Option<YieldSetFilter>,
         field: KeyStorage,
     ) -> Self {
-        let Constant { name, label, unit, meaning, presence, range } = *constant;
+        let Parameter { name, label, unit, meaning, presence, range } = *constant;
         let suffix = if unit == ANGLE_UNIT { "_deg" } else { "" };
         let name = format!("{section}.{name}{suffix}").leak();
         Self {
@@ -256,8 +256,9 @@ impl Key {
     /// Returns the names of the yield sets that use the key; empty if the key does not depend on the yield set.
     pub(crate) fn yield_set_names(&self) -> Vec<&'static str> {
         let Some(sets) = self.yield_set_filter else { return Vec::new() };
-        let uses =
-            |set: &Yield| registry::solids().into_iter().any(|own| sets.is_satisfied_by(*set, own));
+        let uses = |set: &YieldSetKind| {
+            registry::solids().into_iter().any(|own| sets.is_satisfied_by(*set, own))
+        };
         registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 

@@ -2,7 +2,7 @@
 
 use super::key::{Key, KeyStorage, ModelFilter, Presence, YieldSetFilter};
 use crate::schema::AllowedRange;
-use models::common::parameter::Parameter as Constant;
+use models::common::parameter::Parameter;
 use models::elastoplastic::PlasticState;
 use models::flow::state::MaterialState;
 use models::flow::{FlowKind, RotationKind};
@@ -29,7 +29,7 @@ const STRESS_AXES_FLOWS: ModelFilter =
     ModelFilter::Flows(|flow| flow.rotation() == RotationKind::StressAxes);
 const SOLID_MODELS: ModelFilter = ModelFilter::Solids(|_| true);
 const SPACE_SOLIDS: ModelFilter = ModelFilter::Solids(|solid| !solid.is_plane);
-const MICROPOLAR_SOLIDS: ModelFilter =
+const MICROROTATION_SOLIDS: ModelFilter =
     ModelFilter::Solids(|solid| solid.theory != Theory::Classical);
 const COSSERAT_SOLIDS: ModelFilter = ModelFilter::Solids(|solid| solid.theory == Theory::Cosserat);
 
@@ -92,9 +92,9 @@ pub fn keys() -> &'static [Key] {
     }
     table.extend_from_slice(TRAILING_KEYS);
     let of_models = flows.iter().flat_map(|flow| flow.parameters());
-    let of_models: Vec<&Constant> =
+    let of_models: Vec<&Parameter> =
         of_models.chain(solids.iter().flat_map(|solid| solid.parameters)).collect();
-    let of_sets: Vec<&Constant> =
+    let of_sets: Vec<&Parameter> =
         sets.iter().flat_map(|set| set.parameters.iter().map(|own| &own.0)).collect();
     for key in &mut table {
         match key.name {
@@ -143,23 +143,23 @@ fn join_alternatives<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 /// Merges the constants of several registry entries without repetition, where possible in the order of every entry: a
 /// constant is inserted before the first listed constant that follows it in its entry.
-fn merge_constants<I: Iterator<Item = &'static Constant>>(
+fn merge_constants<I: Iterator<Item = &'static Parameter>>(
     entries: impl Iterator<Item = I>,
-) -> Vec<&'static Constant> {
-    let mut all: Vec<&'static Constant> = Vec::new();
+) -> Vec<&'static Parameter> {
+    let mut all: Vec<&'static Parameter> = Vec::new();
     for entry in entries {
         let mut next = 0;
-        let own: Vec<&'static Constant> = entry.collect();
+        let own: Vec<&'static Parameter> = entry.collect();
         for (index, constant) in own.iter().enumerate() {
-            if let Some(place) = all.iter().position(|other| other.name == constant.name) {
-                next = next.max(place + 1);
+            if let Some(listed) = all.iter().position(|other| other.name == constant.name) {
+                next = next.max(listed + 1);
                 continue;
             }
             // First listed constant that follows this one in the entry.
-            let follows = |other: &&Constant| own[index..].iter().any(|o| o.name == other.name);
-            let place = all.iter().position(follows).unwrap_or(all.len());
-            all.insert(place.max(next), constant);
-            next = place.max(next) + 1;
+            let follows = |other: &&Parameter| own[index..].iter().any(|o| o.name == other.name);
+            let successor = all.iter().position(follows).unwrap_or(all.len());
+            all.insert(successor.max(next), constant);
+            next = successor.max(next) + 1;
         }
     }
     all
@@ -247,7 +247,7 @@ static TRAILING_KEYS: &[Key] = keys! {
     "stress.out_of_plane_stress": "out-of-plane stress σ₃₃ + p" ["Pa"] "out-of-plane stress relative to −p, σ₃₃ + p, before scaling";
         SPACE_SOLIDS that yield by SPACE_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.out_of_plane_stress);
     "stress.rotational_stress": "rotational stress r" ["Pa"] "rotational stress r = ½(σ₂₁ − σ₁₂), second index is the face normal, before scaling";
-        MICROPOLAR_SOLIDS that yield by ALL_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
+        MICROROTATION_SOLIDS that yield by ALL_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
     "stress.couple_stress": "couple stress" ["N/m"] "couple stress [m₃₁, m₃₂], before scaling; m₁₃ and m₂₃ are 0";
         COSSERAT_SOLIDS that yield by ALL_YIELD_SETS, Or(0.0), Pair(|n| &mut n.stress.couple_stress);
 

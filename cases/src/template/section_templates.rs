@@ -23,13 +23,13 @@ pub(super) fn format_comment(unit: &str, meaning: &str) -> String {
 /// Wraps a text into lines of at most `width` characters.
 fn wrap_text(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
+    for name in text.split(' ') {
         match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+            Some(line) if line.chars().count() + 1 + name.chars().count() <= width => {
                 line.push(' ');
-                line.push_str(word);
+                line.push_str(name);
             }
-            _ => lines.push(word.to_owned()),
+            _ => lines.push(name.to_owned()),
         }
     }
     lines
@@ -56,39 +56,44 @@ impl SectionTemplates {
         Self { text: String::new(), scope, comment_column: column, written_tables: Vec::new() }
     }
 
-    /// Writes the sections of the example `start` that have the schema `form`, followed by all other variants of the
-    /// schema, commented out.
-    pub(super) fn add_section(&mut self, form: &'static TableSchema, start: &[ExampleSection]) {
+    /// Writes the sections of the example `start` that have the schema `table_schema`, followed by all other variants
+    /// of the schema, commented out.
+    pub(super) fn add_section(
+        &mut self,
+        table_schema: &'static TableSchema,
+        start: &[ExampleSection],
+    ) {
         let separator = if self.text.is_empty() { "" } else { "\n" };
         let _ = write!(self.text, "{separator}");
-        for line in wrap_text(&format_sentence(form.meaning), MAX_LINE_WIDTH) {
+        for line in wrap_text(&format_sentence(table_schema.meaning), MAX_LINE_WIDTH) {
             let _ = writeln!(self.text, "# {line}");
         }
-        if form.groups.is_empty() {
-            return self.add_stress_section(form);
+        if table_schema.groups.is_empty() {
+            return self.add_stress_section(table_schema);
         }
         let mut blocks: Vec<Vec<&'static KeySchema>> = Vec::new();
-        for (_, given) in start.iter().filter(|(name, _)| *name == form.name) {
+        for (_, given) in start.iter().filter(|(name, _)| *name == table_schema.name) {
             let variant =
                 TableVariant { given_values: given, discriminator_value: None, present_key: None };
-            let items = self.variant_keys(form, &variant);
-            self.write_variant(form, &variant, &items, true, &blocks);
+            let items = self.variant_keys(table_schema, &variant);
+            self.write_variant(table_schema, &variant, &items, true, &blocks);
             blocks.push(items);
         }
-        let words = form.discriminator().map_or(Vec::new(), |(item, _)| self.allowed_names(item));
-        let words: Vec<Option<&str>> = match words.is_empty() {
+        let names =
+            table_schema.discriminator().map_or(Vec::new(), |(item, _)| self.allowed_names(item));
+        let names: Vec<Option<&str>> = match names.is_empty() {
             true => vec![None],
-            false => words.iter().map(|word| Some(word.as_str())).collect(),
+            false => names.iter().map(|name| Some(name.as_str())).collect(),
         };
-        for word in words {
-            let switches = [None].into_iter().chain(exclusive_keys(form).map(Some));
+        for name in names {
+            let switches = [None].into_iter().chain(exclusive_keys(table_schema).map(Some));
             for present in switches {
                 let variant = TableVariant {
                     given_values: &[],
-                    discriminator_value: word,
+                    discriminator_value: name,
                     present_key: present,
                 };
-                let items = self.variant_keys(form, &variant);
+                let items = self.variant_keys(table_schema, &variant);
                 let is_needed =
                     |item: &&&KeySchema| !matches!(item.presence, KeyPresence::Optional(_));
                 let has = |block: &[&KeySchema], item: &KeySchema| {
@@ -98,12 +103,14 @@ impl SectionTemplates {
                     .iter()
                     .any(|block| items.iter().filter(is_needed).all(|item| has(block, item)));
                 let is_possible = present.is_none_or(|key| items.iter().any(|own| own.name == key))
-                    && items.iter().all(|item| self.key_value(form, item, &variant).is_some());
+                    && items
+                        .iter()
+                        .all(|item| self.key_value(table_schema, item, &variant).is_some());
                 let is_other = present.is_some_and(|key| {
                     !blocks.iter().any(|block| block.iter().any(|own| own.name == key))
                 });
                 if is_possible && (!is_shown || is_other) {
-                    self.write_variant(form, &variant, &items, false, &blocks);
+                    self.write_variant(table_schema, &variant, &items, false, &blocks);
                     blocks.push(items);
                 }
             }
@@ -116,9 +123,9 @@ impl SectionTemplates {
     }
 
     /// Writes the section `[initial_stress]`, whose keys are stress components.
-    fn add_stress_section(&mut self, form: &TableSchema) {
+    fn add_stress_section(&mut self, table_schema: &TableSchema) {
         let Some(ModelKind::Solid(solid)) = self.scope.kind else { return };
-        let _ = writeln!(self.text, "\n# {}", form.header());
+        let _ = writeln!(self.text, "\n# {}", table_schema.header());
         let all = StateComponent::all_components(solid.theory, 2);
         for component in all.into_iter().filter(|component| !component.is_velocity()) {
             let line = format!("# {component} = 0.0");
@@ -130,7 +137,9 @@ impl SectionTemplates {
     /// Returns the allowed names of a key for the kind of model.
     fn allowed_names(&self, item: &KeySchema) -> Vec<String> {
         match item.value_type {
-            ValueType::OneOf(words) | ValueType::AnyOf(words) => words(&self.scope),
+            ValueType::OneOf(allowed_names) | ValueType::AnyOf(allowed_names) => {
+                allowed_names(&self.scope)
+            }
             _ => Vec::new(),
         }
     }
@@ -138,22 +147,23 @@ impl SectionTemplates {
     /// Returns the keys of a variant; for a key whose type depends on the dimensions its schema for plane strain.
     fn variant_keys(
         &self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
         variant: &TableVariant,
     ) -> Vec<&'static KeySchema> {
         let in_plane = |condition: &KeyCondition| {
-            *condition != KeyCondition::Space && variant.is_satisfied(form, condition)
+            *condition != KeyCondition::Space && variant.is_satisfied(table_schema, condition)
         };
-        let plane: Vec<&KeySchema> = form.applicable_keys(in_plane).collect();
-        let anywhere = |condition: &KeyCondition| variant.is_satisfied(form, condition);
-        form.applicable_keys(anywhere)
+        let plane: Vec<&KeySchema> = table_schema.applicable_keys(in_plane).collect();
+        let anywhere = |condition: &KeyCondition| variant.is_satisfied(table_schema, condition);
+        table_schema
+            .applicable_keys(anywhere)
             .filter(|item| {
                 plane.iter().any(|own| std::ptr::eq(*own, *item))
                     || plane.iter().all(|own| own.name != item.name)
             })
             .filter(|item| {
                 // A key that replaces other keys is written only in the variant in which it is present.
-                let is_switch = exclusive_keys(form).any(|key| key == item.name);
+                let is_switch = exclusive_keys(table_schema).any(|key| key == item.name);
                 !is_switch || variant.has_key(item.name)
             })
             .collect()
@@ -163,24 +173,25 @@ impl SectionTemplates {
     /// else the default or example; `None` if the kind of model allows no name for the key.
     fn key_value(
         &self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
         item: &KeySchema,
         variant: &TableVariant,
     ) -> Option<String> {
         if let Some((_, value)) = variant.given_values.iter().find(|(key, _)| *key == item.name) {
             return Some((*value).to_owned());
         }
-        if let (Some((own, _)), Some(word)) = (form.discriminator(), variant.discriminator_value)
+        if let (Some((own, _)), Some(name)) =
+            (table_schema.discriminator(), variant.discriminator_value)
             && own.name == item.name
         {
-            return Some(format!("{word:?}"));
+            return Some(format!("{name:?}"));
         }
         let example = item.example_value();
         let ValueType::OneOf(_) = item.value_type else { return Some(example.to_owned()) };
-        let words = self.allowed_names(item);
-        match words.iter().any(|word| format!("{word:?}") == example) {
+        let names = self.allowed_names(item);
+        match names.iter().any(|name| format!("{name:?}") == example) {
             true => Some(example.to_owned()),
-            false => words.first().map(|word| format!("{word:?}")),
+            false => names.first().map(|name| format!("{name:?}")),
         }
     }
 
@@ -188,13 +199,14 @@ impl SectionTemplates {
     /// occurrence of a key.
     fn write_variant(
         &mut self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
         variant: &TableVariant,
         items: &[&'static KeySchema],
         is_active: bool,
         before: &[Vec<&'static KeySchema>],
     ) {
-        let header = if is_active { form.header() } else { format!("# {}", form.header()) };
+        let header =
+            if is_active { table_schema.header() } else { format!("# {}", table_schema.header()) };
         let _ = writeln!(self.text, "\n{header}");
         for item in items {
             let was_shown =
@@ -219,10 +231,10 @@ impl SectionTemplates {
                 comment = format!("3D only{separator}{comment}");
             }
             if let ValueType::Table(inner) = item.value_type {
-                self.write_inline_tables(form, item, inner, variant, is_set, comment);
+                self.write_inline_tables(table_schema, item, inner, variant, is_set, comment);
                 continue;
             }
-            let value = self.key_value(form, item, variant).unwrap_or_default();
+            let value = self.key_value(table_schema, item, variant).unwrap_or_default();
             self.write_line(is_set, item.name, &value, &comment);
         }
     }
@@ -231,10 +243,10 @@ impl SectionTemplates {
         /// Maximum number of names listed in a comment.
         const MAX_LISTED_NAMES: usize = 12;
         let mut text = format_comment(item.unit, item.meaning);
-        let words = self.allowed_names(item);
-        let is_said = words.iter().all(|word| item.meaning.contains(word.as_str()));
-        if (1..=MAX_LISTED_NAMES).contains(&words.len()) && !is_said {
-            let _ = write!(text, "; {}", words.join(", "));
+        let names = self.allowed_names(item);
+        let is_said = names.iter().all(|name| item.meaning.contains(name.as_str()));
+        if (1..=MAX_LISTED_NAMES).contains(&names.len()) && !is_said {
+            let _ = write!(text, "; {}", names.join(", "));
         }
         text
     }
@@ -242,14 +254,14 @@ impl SectionTemplates {
     /// Writes an inline table and, at its first occurrence, all alternative tables.
     fn write_inline_tables(
         &mut self,
-        form: &'static TableSchema,
+        table_schema: &'static TableSchema,
         item: &KeySchema,
         inner: &'static TableSchema,
         variant: &TableVariant,
         is_set: bool,
         comment: String,
     ) {
-        let value = self.key_value(form, item, variant).unwrap_or_default();
+        let value = self.key_value(table_schema, item, variant).unwrap_or_default();
         if self.written_tables.contains(&inner.name) {
             return self.write_line(is_set, item.name, &value, &comment);
         }
@@ -266,16 +278,16 @@ impl SectionTemplates {
         if is_set {
             self.write_line(true, item.name, &value, "");
         }
-        for word in inner.discriminator().map_or(Vec::new(), |(kind, _)| self.allowed_names(kind)) {
+        for name in inner.discriminator().map_or(Vec::new(), |(kind, _)| self.allowed_names(kind)) {
             for present in [None].into_iter().chain(exclusive_keys(inner).map(Some)) {
                 let variant = TableVariant {
                     given_values: &[],
-                    discriminator_value: Some(&word),
+                    discriminator_value: Some(&name),
                     present_key: present,
                 };
                 let items = self.variant_keys(inner, &variant);
                 let is_possible = present.is_none_or(|key| items.iter().any(|own| own.name == key));
-                let own = format!("{kind_key} = \"{word}\"");
+                let own = format!("{kind_key} = \"{name}\"");
                 if !is_possible || (is_set && value.contains(&own)) {
                     continue;
                 }
@@ -321,9 +333,9 @@ impl SectionTemplates {
 }
 
 /// Returns the keys whose presence or absence is a condition of other keys.
-fn exclusive_keys(form: &'static TableSchema) -> impl Iterator<Item = &'static str> {
+fn exclusive_keys(table_schema: &'static TableSchema) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
-    for (when, item) in form.keys() {
+    for (when, item) in table_schema.keys() {
         for condition in when.iter().chain(item.conditions) {
             if let KeyCondition::Present(key) | KeyCondition::Absent(key) = condition
                 && !names.contains(key)
@@ -349,20 +361,20 @@ impl TableVariant<'_> {
         self.present_key == Some(key) || self.given_values.iter().any(|(own, _)| *own == key)
     }
 
-    fn is_satisfied(&self, form: &'static TableSchema, condition: &KeyCondition) -> bool {
+    fn is_satisfied(&self, table_schema: &'static TableSchema, condition: &KeyCondition) -> bool {
         match condition {
-            KeyCondition::HasValue(key, words) => {
-                let own = form.discriminator().filter(|(item, _)| item.name == *key);
+            KeyCondition::HasValue(key, names) => {
+                let own = table_schema.discriminator().filter(|(item, _)| item.name == *key);
                 let given =
                     self.given_values.iter().find(|(own, _)| own == key).map(|(_, value)| *value);
-                let example = form.keys().find(|(_, item)| item.name == *key);
+                let example = table_schema.keys().find(|(_, item)| item.name == *key);
                 let example = example.map_or("", |(_, item)| item.example_value());
                 let value = match (given, own, self.discriminator_value) {
                     (Some(given), _, _) => given.trim_matches('"'),
-                    (None, Some(_), Some(word)) => word,
+                    (None, Some(_), Some(name)) => name,
                     _ => example.trim_matches('"'),
                 };
-                words.contains(&value)
+                names.contains(&value)
             }
             KeyCondition::Present(key) => self.has_key(key),
             KeyCondition::Absent(key) => !self.has_key(key),

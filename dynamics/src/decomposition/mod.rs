@@ -30,7 +30,7 @@ pub use threads::ThreadStartError;
 #[doc(hidden)]
 pub use threads::ThreadStarter;
 
-/// A subdomain with its halo.
+/// A subdomain with its halo, channels and records.
 struct Subdomain<T: SolverReal, const D: usize> {
     domain: Domain<T, D>,
     region: Region<D>,
@@ -45,28 +45,29 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
     fn advance(&mut self, steps: usize) -> Result<(), Disconnected> {
         let Self { domain, channels, records, .. } = self;
         // A panic drops the channels, so that receiving fails in the neighbouring threads instead of blocking.
-        let mut own = std::mem::take(channels);
+        let mut own_channels = std::mem::take(channels);
         let mut remaining = steps;
         while remaining > 0 {
             let steps = remaining.min(domain.max_pass_steps());
-            domain.advance_pass(steps, &mut own)?;
+            domain.advance_pass(steps, &mut own_channels)?;
             domain.drain_records(records);
             remaining -= steps;
         }
-        *channels = own;
+        *channels = own_channels;
         Ok(())
     }
 
     /// Returns positions and numbers of history variables of the interlayers at the lower faces of owned cells.
     /// Position: layer of the whole grid across the last axis, axis normal to the face, and global cell above the face.
     /// `layer_cells`: number of cells of a layer of the whole grid.
-    fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 3], usize)> {
+    fn interlayer_positions(&self, layer_cells: usize) -> Vec<([usize; 3], usize)> {
         let cells = self.region.owned_global_cells();
-        let own = self.domain.interlayer_faces().into_iter();
-        own.map(|[axis, cell, variables]| {
-            ([cells[cell] / layer_cells, axis, cells[cell]], variables)
-        })
-        .collect()
+        let faces = self.domain.interlayer_faces().into_iter();
+        faces
+            .map(|[axis, cell, variables]| {
+                ([cells[cell] / layer_cells, axis, cells[cell]], variables)
+            })
+            .collect()
     }
 }
 
@@ -78,7 +79,7 @@ pub struct DecomposedDomain<T: SolverReal, const D: usize> {
     /// Number of cells of the whole grid along each permuted axis.
     cells: [usize; D],
     /// Number of watched cells, those outside the grid included.
-    watched_count: usize,
+    watched_cell_count: usize,
 }
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
@@ -107,35 +108,44 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         count: usize,
     ) -> Result<Self, DomainError> {
         let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
-        let mut parts = [1; D];
-        parts[D - 1] = count;
-        Self::with_permuted_subdomains(problem, permutation, parts)
+        let mut subdomain_counts = [1; D];
+        subdomain_counts[D - 1] = count;
+        Self::with_permuted_subdomains(problem, permutation, subdomain_counts)
     }
 
-    /// Creates a domain at rest, with `parts` subdomains along each axis of the problem and with `first_axis` swept
-    /// first.
+    /// Creates a domain at rest, with `subdomain_counts` subdomains along each axis of the problem and with
+    /// `first_axis` swept first.
     ///
     /// # Errors
     /// See [`DomainError`].
     pub fn with_subdomains(
         first_axis: usize,
         problem: &Problem<D>,
-        parts: [usize; D],
+        subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
         let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
-        Self::with_permuted_subdomains(problem, permutation, permutation.permute_axis_values(parts))
+        Self::with_permuted_subdomains(
+            problem,
+            permutation,
+            permutation.permute_axis_values(subdomain_counts),
+        )
     }
 
-    /// Creates a domain at rest, with `parts` subdomains along each permuted axis.
+    /// Creates a domain at rest, with `subdomain_counts` subdomains along each permuted axis.
     fn with_permuted_subdomains(
         problem: &Problem<D>,
         permutation: AxisPermutation<D>,
-        parts: [usize; D],
+        subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
         let problem = &permutation.check_and_permute(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
-        let plan = Decomposition::new(&problem.grid, is_periodic, problem.pass_limits(), parts)?;
-        let part = |region: &Region<D>| {
+        let plan = Decomposition::new(
+            &problem.grid,
+            is_periodic,
+            problem.pass_limits(),
+            subdomain_counts,
+        )?;
+        let create_subdomain = |region: &Region<D>| {
             let restricted = problem.restrict_to(region);
             Ok(Subdomain {
                 domain: Domain::new_unchecked(&restricted, region, plan.max_pass_steps())?,
@@ -145,35 +155,36 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
                 records: Vec::new(),
             })
         };
-        let parts: Result<Vec<_>, DomainError> = plan.regions().iter().map(part).collect();
-        let mut parts = parts?;
-        let mut channels: Vec<_> = parts.iter().map(|_| Channels::default()).collect();
-        for (index, part) in parts.iter().enumerate() {
+        let subdomains: Result<Vec<_>, DomainError> =
+            plan.regions().iter().map(create_subdomain).collect();
+        let mut subdomains = subdomains?;
+        let mut channels: Vec<_> = subdomains.iter().map(|_| Channels::default()).collect();
+        for (index, subdomain) in subdomains.iter().enumerate() {
             for axis in 0..D {
                 if let Some(next) = plan.neighbour(index, axis, 1) {
-                    let capacity = part.domain.message_capacity(axis);
+                    let capacity = subdomain.domain.message_capacity(axis);
                     Channels::connect(&mut channels, axis, [index, next], capacity);
                 }
             }
         }
-        for (part, channels) in parts.iter_mut().zip(channels) {
-            part.channels = channels;
+        for (subdomain, channels) in subdomains.iter_mut().zip(channels) {
+            subdomain.channels = channels;
         }
-        Ok(Self { subdomains: parts, permutation, cells: problem.grid.cells, watched_count: 0 })
+        Ok(Self { subdomains, permutation, cells: problem.grid.cells, watched_cell_count: 0 })
     }
 
     /// Selects the instruction set; results do not depend on it.
     pub fn set_instructions(&mut self, instructions: InstructionSet) {
-        for part in &mut self.subdomains {
-            part.domain.set_instructions(instructions);
+        for subdomain in &mut self.subdomains {
+            subdomain.domain.set_instructions(instructions);
         }
     }
 
-    /// See [`Domain::use_scalar_mapping`].
+    /// Selects the scalar return mapping in all subdomains, see [`Domain::use_scalar_mapping`].
     #[doc(hidden)]
     pub fn use_scalar_mapping(&mut self) {
-        for part in &mut self.subdomains {
-            part.domain.use_scalar_mapping();
+        for subdomain in &mut self.subdomains {
+            subdomain.domain.use_scalar_mapping();
         }
     }
 
@@ -185,7 +196,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.advance_with(&mut SystemThreads, steps)
     }
 
-    /// Advances as [`advance`](Self::advance) does, on threads of `starter`.
+    /// Advances as [`advance`](Self::advance) does, on threads that `starter` starts.
     #[doc(hidden)]
     pub fn advance_with(
         &mut self,
@@ -193,13 +204,13 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         steps: usize,
     ) -> Result<(), ThreadStartError> {
         // A neighbour's thread ends early only by a panic, which the scope propagates.
-        if let [part] = self.subdomains.as_mut_slice() {
-            let _ = part.advance(steps);
+        if let [subdomain] = self.subdomains.as_mut_slice() {
+            let _ = subdomain.advance(steps);
             return Ok(());
         }
-        let task = |part| {
+        let task = |subdomain| {
             move || {
-                let _ = Subdomain::advance(part, steps);
+                let _ = Subdomain::advance(subdomain, steps);
             }
         };
         run_concurrently(starter, self.subdomains.iter_mut().map(task))
@@ -207,40 +218,41 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the maximum number of steps per pass over memory; a pass reads and writes each field once.
     pub fn max_pass_steps(&self) -> usize {
-        self.subdomains.first().map_or(1, |part| part.domain.max_pass_steps())
+        self.subdomains.first().map_or(1, |subdomain| subdomain.domain.max_pass_steps())
     }
 
-    /// Returns the time, s.
+    /// Returns the time of the present state, s.
     pub fn time(&self) -> f64 {
-        self.subdomains.first().map_or(0.0, |part| part.domain.time())
+        self.subdomains.first().map_or(0.0, |subdomain| subdomain.domain.time())
     }
 
-    /// Returns the fields of the state.
+    /// Returns the fields of the state, in their order.
     pub fn fields(&self) -> &[SolidField] {
-        self.subdomains.first().map_or(&[], |part| part.domain.fields())
+        self.subdomains.first().map_or(&[], |subdomain| subdomain.domain.fields())
     }
 
     /// Returns the number of output quantities per cell: fields and time integrals.
     pub fn quantity_count(&self) -> usize {
-        let integrals = self.subdomains.first().map_or(0, |part| part.domain.integral_count());
+        let integrals =
+            self.subdomains.first().map_or(0, |subdomain| subdomain.domain.integral_count());
         self.fields().len() + integrals
     }
 
     /// Records all output quantities of these cells after each step and discards earlier records; cells outside the
     /// grid give zeros.
     pub fn watch_cells(&mut self, cells: &[usize]) {
-        self.watched_count = cells.len();
-        for part in &mut self.subdomains {
-            part.records.clear();
-            let all = cells.iter().enumerate();
-            part.watched_cells = all
-                .filter_map(|(place, cell)| {
+        self.watched_cell_count = cells.len();
+        for subdomain in &mut self.subdomains {
+            subdomain.records.clear();
+            let numbered_cells = cells.iter().enumerate();
+            subdomain.watched_cells = numbered_cells
+                .filter_map(|(watched_index, cell)| {
                     let cell = self.permutation.permuted_cell(*cell);
-                    Some((place, part.region.owned_index(cell)?))
+                    Some((watched_index, subdomain.region.owned_index(cell)?))
                 })
                 .collect();
-            part.watched_cells.sort_by_key(|(_, cell)| *cell);
-            part.domain.watch_cells(part.watched_cells.iter().map(|(_, cell)| *cell));
+            subdomain.watched_cells.sort_by_key(|(_, cell)| *cell);
+            subdomain.domain.watch_cells(subdomain.watched_cells.iter().map(|(_, cell)| *cell));
         }
     }
 
@@ -251,28 +263,29 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let steps = self
             .subdomains
             .iter()
-            .filter(|part| !part.watched_cells.is_empty())
-            .map(|part| part.records.len() / (part.watched_cells.len() * width))
+            .filter(|subdomain| !subdomain.watched_cells.is_empty())
+            .map(|subdomain| subdomain.records.len() / (subdomain.watched_cells.len() * width))
             .max()
             .unwrap_or(0);
-        let mut all = vec![0.0; steps * self.watched_count * width];
-        for part in &mut self.subdomains {
-            let own = part.watched_cells.len();
-            for (index, values) in part.records.chunks_exact(width).enumerate() {
-                let (step, place) = (index / own, part.watched_cells[index % own].0);
-                let start = (step * self.watched_count + place) * width;
-                all[start..start + width].copy_from_slice(values);
+        let mut gathered = vec![0.0; steps * self.watched_cell_count * width];
+        for subdomain in &mut self.subdomains {
+            let cell_count = subdomain.watched_cells.len();
+            for (index, values) in subdomain.records.chunks_exact(width).enumerate() {
+                let (step, watched_index) =
+                    (index / cell_count, subdomain.watched_cells[index % cell_count].0);
+                let start = (step * self.watched_cell_count + watched_index) * width;
+                gathered[start..start + width].copy_from_slice(values);
             }
-            part.records.clear();
+            subdomain.records.clear();
         }
-        all
+        gathered
     }
 
     /// Returns the state for a checkpoint.
     pub fn snapshot(&self) -> Snapshot<T> {
         let fields = self.fields().to_vec();
         Snapshot {
-            steps: self.subdomains.first().map_or(0, |part| part.domain.steps()),
+            steps: self.subdomains.first().map_or(0, |subdomain| subdomain.domain.steps()),
             fields: fields.into_iter().filter_map(|field| self.permuted_values(field)).collect(),
             work_sums: self.work_sums().to_partial_sums(),
             cell_sums: self.cell_sums(),
@@ -283,7 +296,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns the work sums of all subdomains.
     fn work_sums(&self) -> WorkSums {
         let mut sums = WorkSums::default();
-        self.subdomains.iter().for_each(|part| sums.merge(part.domain.work()));
+        self.subdomains.iter().for_each(|subdomain| sums.merge(subdomain.domain.work()));
         sums
     }
 
@@ -291,9 +304,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     pub(crate) fn reset(&mut self) {
         let mut sums = self.cell_sums();
         sums.iter_mut().for_each(|own| own.fill(0.0));
-        for part in &mut self.subdomains {
-            part.domain.clear();
-            part.domain.restore_work(0, WorkSums::default());
+        for subdomain in &mut self.subdomains {
+            subdomain.domain.clear();
+            subdomain.domain.restore_work(0, WorkSums::default());
         }
         self.set_cell_sums(&sums);
     }
@@ -309,16 +322,16 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         {
             return false;
         }
-        for part in &mut self.subdomains {
-            part.domain.clear();
+        for subdomain in &mut self.subdomains {
+            subdomain.domain.clear();
         }
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
-            self.set_permuted(field, values);
+            self.set_permuted_values(field, values);
         }
         // The first subdomain holds the work sums of all; those of the others are zero.
         let mut work = WorkSums::from_partial_sums(&snapshot.work_sums);
-        for part in &mut self.subdomains {
-            part.domain.restore_work(snapshot.steps, std::mem::take(&mut work));
+        for subdomain in &mut self.subdomains {
+            subdomain.domain.restore_work(snapshot.steps, std::mem::take(&mut work));
         }
         self.set_cell_sums(&snapshot.cell_sums);
         self.set_interlayer_history(&snapshot.interlayer_history);
@@ -333,7 +346,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns the sums stored per cell, by kind of sum (see [`Domain::cell_sums`]) and cell of the whole grid.
     fn cell_sums(&self) -> Vec<Vec<f64>> {
         let by_subdomain: Vec<_> =
-            self.subdomains.iter().map(|part| part.domain.cell_sums()).collect();
+            self.subdomains.iter().map(|subdomain| subdomain.domain.cell_sums()).collect();
         let kinds = by_subdomain.first().map_or(0, Vec::len);
         (0..kinds)
             .map(|kind| {
@@ -343,13 +356,13 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     }
 
     fn set_cell_sums(&mut self, sums: &[Vec<f64>]) {
-        for part in &mut self.subdomains {
-            let cells = part.region.owned_global_cells();
-            let of_part = |all: &Vec<f64>| {
-                let own = cells.iter().filter(|_| !all.is_empty());
-                own.map(|cell| all[*cell]).collect()
+        for subdomain in &mut self.subdomains {
+            let cells = subdomain.region.owned_global_cells();
+            let select_owned = |grid_values: &Vec<f64>| {
+                let needed_cells = cells.iter().filter(|_| !grid_values.is_empty());
+                needed_cells.map(|cell| grid_values[*cell]).collect()
             };
-            part.domain.set_cell_sums(&sums.iter().map(of_part).collect::<Vec<_>>());
+            subdomain.domain.set_cell_sums(&sums.iter().map(select_owned).collect::<Vec<_>>());
         }
     }
 
@@ -362,16 +375,16 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         if self.subdomains.len() == 1 {
             return by_subdomain.next().unwrap_or_default();
         }
-        let mut all = Vec::new();
-        for (part, values) in self.subdomains.iter().zip(by_subdomain) {
+        let mut gathered = Vec::new();
+        for (subdomain, values) in self.subdomains.iter().zip(by_subdomain) {
             // Any value for initialisation: all cells are overwritten.
             let Some(first) = values.first() else { continue };
-            all.resize(self.cells.iter().product(), *first);
-            for (cell, value) in part.region.owned_global_cells().into_iter().zip(values) {
-                all[cell] = value;
+            gathered.resize(self.cells.iter().product(), *first);
+            for (cell, value) in subdomain.region.owned_global_cells().into_iter().zip(values) {
+                gathered[cell] = value;
             }
         }
-        all
+        gathered
     }
 
     /// Returns work and dissipation of the steps so far, J.
@@ -392,15 +405,15 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the volume of a cell, m³.
     fn cell_volume(&self) -> f64 {
-        self.subdomains.first().map_or(0.0, |part| part.domain.grid().volume())
+        self.subdomains.first().map_or(0.0, |subdomain| subdomain.domain.grid().volume())
     }
 
     /// Calls `evaluate` for each subdomain: a single one on the calling thread, several on a thread each if it starts.
     fn map_subdomains<V: Send>(&self, evaluate: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
-        if let [part] = self.subdomains.as_slice() {
-            return vec![evaluate(&part.domain)];
+        if let [subdomain] = self.subdomains.as_slice() {
+            return vec![evaluate(&subdomain.domain)];
         }
-        let domains = self.subdomains.iter().map(|part| &part.domain);
+        let domains = self.subdomains.iter().map(|subdomain| &subdomain.domain);
         evaluate_each(&mut SystemThreads, domains, evaluate)
     }
 
@@ -408,37 +421,46 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// finite. Each subdomain reports its first one; that with the lowest cell in the order of permuted axes is
     /// returned.
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
-        let own = |part: &Subdomain<T, D>| {
-            let (field, cell) = part.domain.first_non_finite()?;
-            Some((part.region.owned_global_cell(cell), field))
+        let locate = |subdomain: &Subdomain<T, D>| {
+            let (field, cell) = subdomain.domain.first_non_finite()?;
+            Some((subdomain.region.owned_global_cell(cell), field))
         };
-        let (cell, field) = self.subdomains.iter().filter_map(own).min_by_key(|own| own.0)?;
+        let (cell, field) =
+            self.subdomains.iter().filter_map(locate).min_by_key(|located| located.0)?;
         Some((field, self.permutation.original_cell(cell)))
     }
 
     /// Records all output quantities of the watched cells in the present state.
-    pub fn record_watched(&mut self) {
-        for part in &mut self.subdomains {
-            let boundaries = part.domain.closing_boundaries();
-            for &(_, cell) in &part.watched_cells {
-                part.domain.output_cell_with(cell, boundaries.as_ref(), &mut part.records);
+    pub fn record_watched_cells(&mut self) {
+        for subdomain in &mut self.subdomains {
+            let boundaries = subdomain.domain.closing_boundaries();
+            for &(_, cell) in &subdomain.watched_cells {
+                subdomain.domain.output_cell_with(
+                    cell,
+                    boundaries.as_ref(),
+                    &mut subdomain.records,
+                );
             }
         }
     }
 
     /// Returns the first cell, in the order of permuted axes, whose stress is outside its yield set; `None` if there is
     /// none.
-    pub fn first_beyond_yield(&self) -> Option<usize> {
-        let own = |part: &Subdomain<T, D>| {
-            Some(part.region.owned_global_cell(part.domain.first_beyond_yield()?))
+    pub fn first_cell_outside_yield_set(&self) -> Option<usize> {
+        let locate = |subdomain: &Subdomain<T, D>| {
+            Some(
+                subdomain
+                    .region
+                    .owned_global_cell(subdomain.domain.first_cell_outside_yield_set()?),
+            )
         };
-        let first = self.subdomains.iter().filter_map(own).min();
+        let first = self.subdomains.iter().filter_map(locate).min();
         first.map(|cell| self.permutation.original_cell(cell))
     }
 
     /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
     pub fn output_values(&self) -> Vec<Vec<f64>> {
-        let of_part = |domain: &Domain<T, D>| {
+        let evaluate_output = |domain: &Domain<T, D>| {
             let mut fields = vec![Vec::new(); self.quantity_count()];
             let (boundaries, mut state) = (domain.closing_boundaries(), Vec::new());
             for cell in 0..domain.grid().count() {
@@ -451,11 +473,11 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
             fields
         };
         let mut by_subdomain: Vec<_> =
-            self.subdomains.iter().map(|part| of_part(&part.domain)).collect();
+            self.subdomains.iter().map(|subdomain| evaluate_output(&subdomain.domain)).collect();
         let fields = 0..self.quantity_count();
         let gathered = fields.map(|field| {
-            let own = by_subdomain.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
-            self.permutation.unpermute(self.assemble_grid_values(own))
+            let parts = by_subdomain.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
+            self.permutation.unpermute(self.assemble_grid_values(parts))
         });
         gathered.collect()
     }
@@ -468,57 +490,60 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the stored values of a field by cell of the whole grid, with permuted axes.
     fn permuted_values(&self, field: SolidField) -> Option<Vec<T>> {
-        let by_subdomain = self.subdomains.iter().map(|part| part.domain.values(field));
+        let by_subdomain = self.subdomains.iter().map(|subdomain| subdomain.domain.values(field));
         let by_subdomain = by_subdomain.collect::<Option<Vec<_>>>()?;
         Some(self.assemble_grid_values(by_subdomain.into_iter()))
     }
 
-    /// Returns the position of each interlayer as [`Subdomain::interlayers`] does, in the order of
+    /// Returns the position of each interlayer as [`Subdomain::interlayer_positions`] does, in the order of
     /// [`Domain::interlayer_history`] of the whole grid, and the range of its history variables in that order.
-    fn interlayers(&self) -> Vec<([usize; 3], Range<usize>)> {
+    fn interlayer_history_ranges(&self) -> Vec<([usize; 3], Range<usize>)> {
         let layer: usize = self.cells[..D - 1].iter().product();
-        let mut all: Vec<_> =
-            self.subdomains.iter().flat_map(|part| part.interlayers(layer)).collect();
-        all.sort_unstable();
+        let mut positions: Vec<_> = self
+            .subdomains
+            .iter()
+            .flat_map(|subdomain| subdomain.interlayer_positions(layer))
+            .collect();
+        positions.sort_unstable();
         let mut end = 0;
         let range = |(position, variables): ([usize; 3], usize)| {
             end += variables;
             (position, end - variables..end)
         };
-        all.into_iter().map(range).collect()
+        positions.into_iter().map(range).collect()
     }
 
     /// Returns the history variables of all interlayers, in the order of [`Domain::interlayer_history`] of the whole
     /// grid.
     pub fn interlayer_history(&self) -> Vec<T> {
-        if let [part] = self.subdomains.as_slice() {
-            return part.domain.interlayer_history();
+        if let [subdomain] = self.subdomains.as_slice() {
+            return subdomain.domain.interlayer_history();
         }
-        let places = self.interlayers();
+        let ranges = self.interlayer_history_ranges();
         let layer: usize = self.cells[..D - 1].iter().product();
-        let mut all = vec![T::ZERO; places.last().map_or(0, |own| own.1.end)];
-        for part in &self.subdomains {
-            let mut history = part.domain.interlayer_history().into_iter();
-            for (place, _) in part.interlayers(layer) {
-                let index = places.partition_point(|other| other.0.cmp(&place).is_lt());
-                let own = all[places[index].1.clone()].iter_mut();
-                own.zip(&mut history).for_each(|(own, value)| *own = value);
+        let mut gathered = vec![T::ZERO; ranges.last().map_or(0, |(_, range)| range.end)];
+        for subdomain in &self.subdomains {
+            let mut history = subdomain.domain.interlayer_history().into_iter();
+            for (position, _) in subdomain.interlayer_positions(layer) {
+                let index = ranges.partition_point(|other| other.0.cmp(&position).is_lt());
+                let variables = gathered[ranges[index].1.clone()].iter_mut();
+                variables.zip(&mut history).for_each(|(variable, value)| *variable = value);
             }
         }
-        all
+        gathered
     }
 
     fn set_interlayer_history(&mut self, history: &[T]) {
-        let places = self.interlayers();
+        let ranges = self.interlayer_history_ranges();
         let layer: usize = self.cells[..D - 1].iter().product();
-        for part in &mut self.subdomains {
-            let own = part.interlayers(layer).into_iter();
-            let history = own.flat_map(|(place, _)| {
-                let index = places.partition_point(|other| other.0.cmp(&place).is_lt());
-                history.get(places[index].1.clone()).unwrap_or_default()
+        for subdomain in &mut self.subdomains {
+            let positions = subdomain.interlayer_positions(layer).into_iter();
+            let history = positions.flat_map(|(position, _)| {
+                let index = ranges.partition_point(|other| other.0.cmp(&position).is_lt());
+                history.get(ranges[index].1.clone()).unwrap_or_default()
             });
             let history: Vec<T> = history.copied().collect();
-            part.domain.set_interlayer_history(&mut history.into_iter());
+            subdomain.domain.set_interlayer_history(&mut history.into_iter());
         }
     }
 
@@ -532,28 +557,28 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
             let values = index.and_then(|index| values[index].as_ref());
             values.map_or(T::ZERO, |values| values[cell])
         };
-        for part in &mut self.subdomains {
-            let cells = part.region.owned_global_cells();
+        for subdomain in &mut self.subdomains {
+            let cells = subdomain.region.owned_global_cells();
             let history =
-                part.domain.initial_interlayer_history(&self.cells, |cell| cells[cell], value);
-            part.domain.set_interlayer_history(&mut history.into_iter());
+                subdomain.domain.initial_interlayer_history(&self.cells, |cell| cells[cell], value);
+            subdomain.domain.set_interlayer_history(&mut history.into_iter());
         }
     }
 
     /// Sets the values of a field by cell (first axis fastest).
-    pub fn set(&mut self, field: SolidField, values: &[T]) {
-        self.set_permuted(field, &self.permutation.permute(values));
+    pub fn set_field(&mut self, field: SolidField, values: &[T]) {
+        self.set_permuted_values(field, &self.permutation.permute(values));
     }
 
     /// Sets the values of a field by cell of the whole grid with permuted axes, in owned cells and halos, since output
     /// may read the halos.
-    fn set_permuted(&mut self, field: SolidField, values: &[T]) {
-        if let [part] = self.subdomains.as_mut_slice() {
-            return part.domain.set(field, values);
+    fn set_permuted_values(&mut self, field: SolidField, values: &[T]) {
+        if let [subdomain] = self.subdomains.as_mut_slice() {
+            return subdomain.domain.set_field(field, values);
         }
-        for part in &mut self.subdomains {
-            let cells = part.region.global_cells();
-            part.domain.set_in_all_cells(field, |cell| values.get(cells[cell]).copied());
+        for subdomain in &mut self.subdomains {
+            let cells = subdomain.region.global_cells();
+            subdomain.domain.set_in_all_cells(field, |cell| values.get(cells[cell]).copied());
         }
     }
 }

@@ -24,8 +24,8 @@ pub struct Decomposition<const D: usize> {
 }
 
 impl<const D: usize> Decomposition<D> {
-    /// Plans `parts` subdomains along each axis of a grid; `is_periodic`: whether each axis is periodic; `limits` of
-    /// passes ([`Problem::pass_limits`](crate::solid::problem::Problem::pass_limits)).
+    /// Plans `subdomain_counts` subdomains along each axis of a grid; `is_periodic`: whether each axis is periodic;
+    /// `limits` of passes ([`Problem::pass_limits`](crate::solid::problem::Problem::pass_limits)).
     ///
     /// # Errors
     /// [`DomainError::SubdomainCount`] if the number of subdomains along an axis is zero, or if one of several
@@ -34,43 +34,55 @@ impl<const D: usize> Decomposition<D> {
         grid: &Grid<D>,
         is_periodic: [bool; D],
         limits: PassLimits,
-        parts: [usize; D],
+        subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
-        let beyond = |axis: usize| if axis == 0 { limits.first_axis_halo } else { 0 };
-        let steps = max_pass_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
+        let extra_halo = |axis: usize| if axis == 0 { limits.first_axis_halo } else { 0 };
+        let steps = max_pass_steps::<D>(grid.cells[D - 1] / subdomain_counts[D - 1].max(1));
         let mut steps = steps.min(limits.max_steps);
-        for (axis, (&found, &cells)) in parts.iter().zip(&grid.cells).enumerate() {
-            let least = cells / found.max(1);
-            if found == 0 || (found > 1 && least < HALO + beyond(axis)) {
+        for (axis, (&found, &cells)) in subdomain_counts.iter().zip(&grid.cells).enumerate() {
+            let cells_per_subdomain = cells / found.max(1);
+            if found == 0 || (found > 1 && cells_per_subdomain < HALO + extra_halo(axis)) {
                 return Err(DomainError::SubdomainCount {
                     axis,
                     actual: found,
                     cells,
-                    min_cells: HALO + beyond(axis),
+                    min_cells: HALO + extra_halo(axis),
                 });
             }
             if found > 1 {
-                steps = steps.min(max_pass_steps::<D>(least - beyond(axis)));
+                steps = steps.min(max_pass_steps::<D>(cells_per_subdomain - extra_halo(axis)));
             }
         }
-        let own = |axis: usize, index: usize| -> Range<usize> {
-            let (count, cells) = (parts[axis], grid.cells[axis]);
+        let owned_range = |axis: usize, index: usize| -> Range<usize> {
+            let (count, cells) = (subdomain_counts[axis], grid.cells[axis]);
             index * cells / count..(index + 1) * cells / count
         };
-        let region = |part: usize| {
-            let place = subdomain_position(part, &parts);
+        let region = |subdomain: usize| {
+            let position = subdomain_position(subdomain, &subdomain_counts);
             let halo = std::array::from_fn(|axis| {
                 // On a periodic last axis with a single subdomain, the halo holds copies of the layers at the opposite
                 // end.
-                let comes_round = is_periodic[axis] && (parts[axis] > 1 || axis + 1 == D);
-                let has = [place[axis] > 0, place[axis] + 1 < parts[axis]];
-                has.map(|has| if has || comes_round { steps * HALO + beyond(axis) } else { 0 })
+                let has_periodic_halo =
+                    is_periodic[axis] && (subdomain_counts[axis] > 1 || axis + 1 == D);
+                let has_neighbours =
+                    [position[axis] > 0, position[axis] + 1 < subdomain_counts[axis]];
+                has_neighbours.map(|has_neighbour| {
+                    if has_neighbour || has_periodic_halo {
+                        steps * HALO + extra_halo(axis)
+                    } else {
+                        0
+                    }
+                })
             });
-            Region::new(grid.cells, std::array::from_fn(|axis| own(axis, place[axis])), halo)
+            Region::new(
+                grid.cells,
+                std::array::from_fn(|axis| owned_range(axis, position[axis])),
+                halo,
+            )
         };
-        let count: usize = parts.iter().product();
+        let count: usize = subdomain_counts.iter().product();
         Ok(Self {
-            subdomain_counts: parts,
+            subdomain_counts,
             is_periodic,
             regions: (0..count).map(region).collect(),
             max_pass_steps: steps,
@@ -82,18 +94,18 @@ impl<const D: usize> Decomposition<D> {
         &self.regions
     }
 
-    /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`; `None` at an end of the
-    /// grid along an axis that is not periodic, and along an axis with a single subdomain.
-    pub fn neighbour(&self, part: usize, axis: usize, end: usize) -> Option<usize> {
+    /// Returns the neighbour of a subdomain at an end (0: lower, 1: upper) of an axis, as index; `None` at an end
+    /// of the grid along an axis that is not periodic, and along an axis with a single subdomain.
+    pub fn neighbour(&self, subdomain: usize, axis: usize, end: usize) -> Option<usize> {
         let count = self.subdomain_counts[axis];
         let stride: usize = self.subdomain_counts[..axis].iter().product();
-        let place = part / stride % count;
-        let is_last = place == [0, count - 1][end];
+        let position = subdomain / stride % count;
+        let is_last = position == [0, count - 1][end];
         if count == 1 || (is_last && !self.is_periodic[axis]) {
             return None;
         }
-        let next = (place + [count - 1, 1][end]) % count;
-        Some(part - place * stride + next * stride)
+        let neighbour_position = (position + [count - 1, 1][end]) % count;
+        Some(subdomain - position * stride + neighbour_position * stride)
     }
 
     /// Returns the maximum number of steps of a pass, for which one halo exchange suffices.
@@ -102,12 +114,16 @@ impl<const D: usize> Decomposition<D> {
     }
 }
 
-/// Returns the index of subdomain `part` along each axis; `parts`: numbers of subdomains along the axes.
-fn subdomain_position<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
-    parts.map(|count| {
-        let place = part % count;
-        part /= count;
-        place
+/// Returns the position of a subdomain along each axis; `subdomain_counts`: numbers of subdomains along the
+/// axes.
+fn subdomain_position<const D: usize>(
+    mut subdomain: usize,
+    subdomain_counts: &[usize; D],
+) -> [usize; D] {
+    subdomain_counts.map(|count| {
+        let position = subdomain % count;
+        subdomain /= count;
+        position
     })
 }
 
@@ -128,12 +144,15 @@ mod tests {
         }
         assert!(owners.iter().all(|count| *count == 1));
         // The neighbour relation is symmetric.
-        for part in 0..24 {
+        for subdomain in 0..24 {
             for (axis, end) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
-                let neighbour = plan.neighbour(part, axis, end);
-                assert_eq!(neighbour.is_some(), plan.regions()[part].is_cut(axis)[end]);
+                let neighbour = plan.neighbour(subdomain, axis, end);
+                assert_eq!(
+                    neighbour.is_some(),
+                    plan.regions()[subdomain].has_neighbours(axis)[end]
+                );
                 if let Some(neighbour) = neighbour {
-                    assert_eq!(plan.neighbour(neighbour, axis, 1 - end), Some(part));
+                    assert_eq!(plan.neighbour(neighbour, axis, 1 - end), Some(subdomain));
                 }
             }
         }

@@ -31,7 +31,7 @@ pub trait ThreadStarter {
     ) -> std::io::Result<ScopedJoinHandle<'scope, R>>;
 }
 
-/// Threads of the operating system.
+/// Starter of threads of the operating system.
 pub(super) struct SystemThreads;
 
 impl ThreadStarter for SystemThreads {
@@ -69,8 +69,8 @@ pub(super) fn run_concurrently<W: FnOnce() + Send>(
     })
 }
 
-/// Returns the values of all `inputs`, each evaluated on its own thread, or on the calling thread if its thread cannot be
-/// started.
+/// Returns the values of all `inputs`, each evaluated on its own thread, or on the calling thread if its thread cannot
+/// be started.
 pub(super) fn evaluate_each<I: Copy + Send, V: Send>(
     starter: &mut impl ThreadStarter,
     inputs: impl Iterator<Item = I>,

@@ -7,7 +7,7 @@
 use super::FlowField;
 use models::flow::{FlowKind, RotationKind};
 
-/// Equation for the stress angle.
+/// Closure of a granular flow model: the equation for the stress angle ψ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closure {
     /// sin 2(ψ − ψ_D) = (e_r/c_r) (ω − s₂₁)/Q_D with evolving spin ω (Harris & Grekova 2005, eq. 42).
@@ -59,7 +59,7 @@ impl Closure {
 pub(super) struct Deformation {
     /// d₁₁ − d₂₂ and 2d₁₂, 1/s, with the deformation rate d.
     pub(super) deviator: [f64; 2],
-    /// s₂₁ = ½(∂₁v₂ − ∂₂v₁), 1/s.
+    /// Half the vorticity, s₂₁ = ½(∂₁v₂ − ∂₂v₁), 1/s.
     pub(super) half_vorticity: f64,
 }
 
@@ -73,8 +73,8 @@ impl Deformation {
     /// Computes the shear rate Q_D = ½√((d₁₁ − d₂₂)² + (2d₁₂)²), 1/s.
     #[inline(always)]
     pub(super) fn shear_rate(&self) -> f64 {
-        let [one, other] = self.deviator;
-        0.5 * (one * one + other * other).sqrt()
+        let [normal_difference, shear_rate_12] = self.deviator;
+        0.5 * (normal_difference * normal_difference + shear_rate_12 * shear_rate_12).sqrt()
     }
 
     /// Computes cos 2ψ_D and sin 2ψ_D of the angle ψ_D of the major principal deformation rate.
@@ -114,6 +114,6 @@ pub(super) fn double_shearing_rate(
     ratio: f64,
     [cos, sin]: [f64; 2],
 ) -> f64 {
-    let [one, other] = deformation.deviator;
-    deformation.half_vorticity + 0.5 * (one * sin - other * cos) / ratio
+    let [normal_difference, shear_rate_12] = deformation.deviator;
+    deformation.half_vorticity + 0.5 * (normal_difference * sin - shear_rate_12 * cos) / ratio
 }

@@ -28,16 +28,16 @@ const POINTS_PER_TASK: usize = 4096;
 pub(super) fn matrix_exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
     let [[a, b], [c, d]] = gradient;
     let square = b * c - a * d;
-    let turn = square.abs().sqrt() * time;
+    let angle = square.abs().sqrt() * time;
     // exp(Γt) = even·I + odd·Γ
-    let (even, odd) = if turn.abs() < 1e-4 {
+    let (even, odd) = if angle.abs() < 1e-4 {
         // Taylor series; the next terms are below rounding.
         let z = square * time * time;
         (1.0 + z / 2.0, time * (1.0 + z / 6.0))
     } else if square > 0.0 {
-        (turn.cr_cosh(), turn.cr_sinh() / turn * time)
+        (angle.cr_cosh(), angle.cr_sinh() / angle * time)
     } else {
-        (turn.cr_cos(), turn.cr_sin() / turn * time)
+        (angle.cr_cos(), angle.cr_sin() / angle * time)
     };
     [[even + odd * a, odd * b], [odd * c, even + odd * d]]
 }
@@ -46,7 +46,7 @@ pub(super) fn matrix_exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2
 pub(super) struct PointValues {
     pub(super) problem: FlowProblem,
     sin_phi: f64,
-    /// c cos φ, Pa.
+    /// Cohesion term c cos φ of the deviatoric stress, Pa.
     cohesion_term: f64,
     /// Sign of cos 2(ψ − ψ_D) in the background flow at time 0.
     branch: f64,
@@ -58,13 +58,13 @@ pub(super) struct PointValues {
     perturbation_gradient: [Vec<f64>; 3],
     /// Internal variable: ω, rad/s, or ψ, rad, background flow included; empty for the plastic potential.
     pub(super) internal_variable: Vec<f64>,
-    /// cos 2ψ and sin 2ψ.
+    /// cos 2ψ and sin 2ψ of the stress angle ψ at the points.
     pub(super) stress_double_angle: [Vec<f64>; 2],
     /// Pressure perturbation p − P₀, Pa, with the mean pressure P₀.
     pub(super) pressure: Vec<f64>,
 }
 
-/// Point index and description of the failure.
+/// Failure of an evaluation at a point: point index (x₁ fastest) and description.
 type PointFailure = (usize, String);
 
 impl PointValues {
@@ -73,13 +73,13 @@ impl PointValues {
         let values = || vec![0.0; count];
         let background = Deformation::new(problem.velocity_gradient);
         let [cos, sin] = to_double_angle(problem.stress_angle);
-        let [one, other] = background.deviator;
+        let [normal_difference, shear_rate_12] = background.deviator;
         let internal_variable =
             if problem.closure.internal_variable().is_some() { values() } else { Vec::new() };
         Self {
             sin_phi: problem.friction_angle.cr_sin(),
             cohesion_term: problem.cohesion * problem.friction_angle.cr_cos(),
-            branch: (one * cos + other * sin).signum(),
+            branch: (normal_difference * cos + shear_rate_12 * sin).signum(),
             min_shear_rate: problem.min_shear_rate * background.shear_rate(),
             velocity: [values(), values()],
             perturbation_gradient: [values(), values(), values()],
@@ -146,7 +146,7 @@ impl PointValues {
     fn update_double_angles(&mut self) -> Result<(), PointFailure> {
         let mut direction = std::mem::take(&mut self.stress_double_angle);
         let [cosines, sines] = &mut direction;
-        let own = &*self;
+        let values = &*self;
         let first = cosines
             .par_chunks_mut(POINTS_PER_TASK)
             .zip(sines.par_chunks_mut(POINTS_PER_TASK))
@@ -156,7 +156,7 @@ impl PointValues {
                 for (point, (cos, sin)) in
                     (POINTS_PER_TASK * part..).zip(cosines.iter_mut().zip(sines))
                 {
-                    match own.double_angle(point) {
+                    match values.double_angle(point) {
                         Some(found) => [*cos, *sin] = found,
                         None => first = first.or(Some(point)),
                     }
@@ -193,10 +193,10 @@ impl PointValues {
         match self.problem.closure {
             Closure::HarrisGrekova => {
                 let spin = self.internal_variable[point];
-                let needed =
+                let required_rate =
                     self.problem.rotation_ratio * (spin - deformation.half_vorticity).abs();
                 format!(
-                    "no stress angle: sin φ |ω − s₂₁| = {needed:.6e} exceeds Q_D = {rate:.6e} 1/s"
+                    "no stress angle: sin φ |ω − s₂₁| = {required_rate:.6e} exceeds Q_D = {rate:.6e} 1/s"
                 )
             }
             Closure::DoubleShearing => "the stress angle is not finite".to_owned(),
@@ -210,7 +210,7 @@ impl PointValues {
     fn compute_powers(&self) -> Result<MeanPowers, PointFailure> {
         let (density, count) = (self.problem.density, self.pressure.len());
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
-        let parts: Vec<(Option<usize>, [f64; 3])> = (0..count.div_ceil(POINTS_PER_TASK))
+        let partial_sums: Vec<(Option<usize>, [f64; 3])> = (0..count.div_ceil(POINTS_PER_TASK))
             .into_par_iter()
             .map(|part| {
                 let (mut first, mut sums) = (None, [0.0; 3]);
@@ -219,25 +219,25 @@ impl PointValues {
                     let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
                     let [a, b, c] = self.perturbation_gradient.each_ref().map(|own| own[point]);
                     let q = self.deviatoric_stress(point);
-                    // Also catches NaN.
+                    // The negated comparison also catches NaN.
                     if !matches!(q.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
                         first = first.or(Some(point));
                     }
-                    let [one, other] = self.deformation(point).deviator;
+                    let [normal_difference, shear_rate_12] = self.deformation(point).deviator;
                     sums[0] -= density * (g11 * v1 * v1 + (g12 + g21) * v1 * v2 + g22 * v2 * v2);
                     sums[1] -= q * (2.0 * cos * a + sin * (b + c));
-                    sums[2] += q * (cos * one + sin * other);
+                    sums[2] += q * (cos * normal_difference + sin * shear_rate_12);
                 }
                 (first, sums)
             })
             .collect();
-        if let Some(point) = parts.iter().find_map(|part| part.0) {
+        if let Some(point) = partial_sums.iter().find_map(|part| part.0) {
             let (p, q) =
                 (self.problem.pressure + self.pressure[point], self.deviatoric_stress(point));
             return Err((point, format!("p = {p:.6e} Pa, so that q = {q:.6e} Pa is not positive")));
         }
         // Fixed order of the partial sums: the same bits for any number of threads.
-        let [background, stress, internal] = parts.iter().fold([0.0; 3], |all, (_, own)| {
+        let [background, stress, internal] = partial_sums.iter().fold([0.0; 3], |all, (_, own)| {
             std::array::from_fn(|i| all[i] + own[i] / count as f64)
         });
         Ok(MeanPowers { background, stress, internal })
@@ -247,16 +247,17 @@ impl PointValues {
 /// Mean powers of the last evaluated state, W/m³; symbols: [`FlowEnergy`](super::FlowEnergy).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct MeanPowers {
-    /// Power of the background flow, −ρ⟨v′·Γv′⟩.
+    /// Power of the background flow, −ρ⟨v′·Γv′⟩, W/m³.
     pub(super) background: f64,
-    /// Power of the stress, −⟨qN : ∇v′⟩.
+    /// Power of the stress, −⟨qN : ∇v′⟩, W/m³.
     pub(super) stress: f64,
-    /// Internal power ⟨2Q_D q cos 2Δ⟩.
+    /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³.
     pub(super) internal: f64,
 }
 
 /// Right-hand side of the equations of the flow, with its buffers.
 pub(super) struct FlowEquations {
+    /// Fields at the points of the box, from the last evaluation.
     pub(super) points: PointValues,
     pub(super) series: FourierSeries,
     /// Wave vectors at the time of the last evaluation.
@@ -265,7 +266,7 @@ pub(super) struct FlowEquations {
     pub(super) powers: MeanPowers,
     /// Modes of p − P₀; initial guess of the next pressure solution.
     pub(super) pressure: Vec<Complex64>,
-    /// Buffers for transforms.
+    /// Buffers for the modes of fields that are transformed.
     mode_buffers: [Vec<Complex64>; 3],
     pressure_right_hand_side: Vec<Complex64>,
     /// Numbers of pressure solutions (one per evaluation of the right-hand side) and of their iterations.
@@ -345,34 +346,36 @@ impl FlowEquations {
         rates: &mut [Complex64],
     ) -> Result<(), LeftDomain> {
         let (count, size) = (self.series.mode_count(), self.state_length());
-        let (vorticity, rest) = state.split_at(count);
-        let (vorticity_rates, rest_rates) = rates.split_at_mut(count);
+        let (vorticity, other_state) = state.split_at(count);
+        let (vorticity_rates, other_rates) = rates.split_at_mut(count);
         let deformation = matrix_exponential(self.problem().velocity_gradient, time);
         self.waves.deform(&self.series, self.points.problem.lengths, deformation);
-        self.evaluate_fields(vorticity, rest);
+        self.evaluate_fields(vorticity, other_state);
         self.points.update_double_angles().map_err(|fault| self.locate_failure(fault, time))?;
         self.solve_pressure(time)?;
         self.powers =
             self.points.compute_powers().map_err(|fault| self.locate_failure(fault, time))?;
         self.compute_vorticity_rates(vorticity_rates);
         if self.problem().closure.internal_variable().is_some() {
-            self.compute_internal_variable_rates(rest[0].re, &mut rest_rates[..count]);
+            self.compute_internal_variable_rates(other_state[0].re, &mut other_rates[..count]);
         }
         let MeanPowers { background, stress, .. } = self.powers;
-        rest_rates[size - count - 2] = Complex64::new(background, stress);
-        rest_rates[size - count - 1] = self.background_rate(state[size - 1].re).into();
+        other_rates[size - count - 2] = Complex64::new(background, stress);
+        other_rates[size - count - 1] = self.background_rate(state[size - 1].re).into();
         Ok(())
     }
 
-    fn locate_failure(&self, (point, what): PointFailure, time: f64) -> LeftDomain {
+    /// Converts the failure at a point to an error with its position in the initial box.
+    fn locate_failure(&self, (point, description): PointFailure, time: f64) -> LeftDomain {
         let FlowProblem { points, lengths, .. } = self.problem();
         let index = [point % points[0], point / points[0]];
-        let place = |axis: usize| (index[axis] as f64 + 0.5) * lengths[axis] / points[axis] as f64;
-        LeftDomain { description: what, position: Some([place(0), place(1)]), time }
+        let coordinate =
+            |axis: usize| (index[axis] as f64 + 0.5) * lengths[axis] / points[axis] as f64;
+        LeftDomain { description, position: Some([coordinate(0), coordinate(1)]), time }
     }
 
     /// Evaluates velocity, velocity gradient, and ω or ψ at the points, from the modes.
-    fn evaluate_fields(&mut self, vorticity: &[Complex64], rest: &[Complex64]) {
+    fn evaluate_fields(&mut self, vorticity: &[Complex64], other_state: &[Complex64]) {
         let PointValues {
             velocity: [v1, v2],
             perturbation_gradient: [g11, g21, g12],
@@ -380,7 +383,7 @@ impl FlowEquations {
             ..
         } = &mut self.points;
         let (series, waves) = (&mut self.series, &self.waves);
-        // v̂ = iζ̂ (k₂, −k₁)/k².
+        // Velocity modes from vorticity modes: v̂ = iζ̂ (k₂, −k₁)/k².
         let i = Complex64::I;
         series.transform_inverse(
             vorticity,
@@ -402,7 +405,7 @@ impl FlowEquations {
         series.transform_inverse(vorticity, waves, |w| -second(w, 1, 1), g12);
         if !internal_variable.is_empty() {
             series.transform_inverse(
-                &rest[..series.mode_count()],
+                &other_state[..series.mode_count()],
                 waves,
                 |_| Complex64::ONE,
                 internal_variable,
@@ -446,8 +449,9 @@ impl FlowEquations {
             // A failed solution may be non-finite and must not be the next initial guess.
             pressure.fill(Complex64::ZERO);
             let (residual, count) = (solved.residual, solved.iterations);
-            let what = format!("no pressure: residual {residual:.1e} after {count} iterations");
-            LeftDomain { description: what, position: None, time }
+            let description =
+                format!("no pressure: residual {residual:.1e} after {count} iterations");
+            LeftDomain { description, position: None, time }
         })?;
         self.evaluation_counts =
             [self.evaluation_counts[0] + 1, self.evaluation_counts[1] + iterations];
@@ -476,11 +480,16 @@ impl FlowEquations {
     /// Computes the time derivative of ω or ψ; `mean`: mean of that field over the box.
     fn compute_internal_variable_rates(&mut self, mean: f64, rates: &mut [Complex64]) {
         let (series, points) = (&mut self.series, &self.points);
-        let [one, other, source] = &mut self.mode_buffers;
+        let [first_flux, second_flux, source] = &mut self.mode_buffers;
         let [v1, v2] = &points.velocity;
-        series.transform_forward(|point| v1[point] * (points.internal_variable[point] - mean), one);
-        series
-            .transform_forward(|point| v2[point] * (points.internal_variable[point] - mean), other);
+        series.transform_forward(
+            |point| v1[point] * (points.internal_variable[point] - mean),
+            first_flux,
+        );
+        series.transform_forward(
+            |point| v2[point] * (points.internal_variable[point] - mean),
+            second_flux,
+        );
         if points.problem.closure == Closure::DoubleShearing {
             series.transform_forward(|point| points.stress_angle_rate(point), source);
         } else {
@@ -490,7 +499,7 @@ impl FlowEquations {
         let i = Complex64::I;
         series.fill_modes(rates, &self.waves, |wave, index| {
             let [k1, k2] = wave.components;
-            source[index] - i * (k1 * one[index] + k2 * other[index])
+            source[index] - i * (k1 * first_flux[index] + k2 * second_flux[index])
         });
     }
 }

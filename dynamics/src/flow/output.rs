@@ -56,7 +56,7 @@ impl FlowSolver {
     fn mode_energies(&self) -> Vec<(f64, f64)> {
         let waves = self.equations.compute_wave_vectors(self.time);
         let series = &self.equations.series;
-        let of_mode = |index: usize| {
+        let energy_of_mode = |index: usize| {
             let mode = series.mode(index);
             let [first, second] = mode.map(f64::from);
             let [k1, k2] = waves.wave_vector(mode);
@@ -70,17 +70,17 @@ impl FlowSolver {
             };
             (first.root_sum_square(second), energy)
         };
-        (0..series.mode_count()).map(of_mode).collect()
+        (0..series.mode_count()).map(energy_of_mode).collect()
     }
 
     /// Computes the kinetic energy, J/m³, by shells n − ½ ≤ |m| < n + ½ of the mode numbers m, n = 1, 2, …; modes
     /// beyond the last shell are added to that shell.
     pub fn energy_spectrum(&self) -> Vec<f64> {
-        let most = self.equations.series.max_modes().into_iter().max().unwrap_or(1);
-        let mut shells = vec![0.0; most];
+        let shell_count = self.equations.series.max_modes().into_iter().max().unwrap_or(1);
+        let mut shells = vec![0.0; shell_count];
         for (number, energy) in self.mode_energies() {
             let shell = (number + 0.5).floor() as usize;
-            shells[shell.clamp(1, most) - 1] += energy;
+            shells[shell.clamp(1, shell_count) - 1] += energy;
         }
         shells
     }
@@ -104,15 +104,15 @@ impl FlowSolver {
             Some(index) => (index, false),
             None => (series.mode_index(mode.map(|m| -m))?, true),
         };
-        let of = |values: &[Complex64]| {
-            let pick = |offset: usize| match values[..values.len() - 2].get(offset + index) {
+        let amplitudes = |values: &[Complex64]| {
+            let amplitude = |offset: usize| match values[..values.len() - 2].get(offset + index) {
                 Some(value) if is_conjugate => value.conj(),
                 Some(value) => *value,
                 None => Complex64::ZERO,
             };
-            [pick(0), pick(series.mode_count())]
+            [amplitude(0), amplitude(series.mode_count())]
         };
-        Some([of(&self.state), of(&self.rates)])
+        Some([amplitudes(&self.state), amplitudes(&self.rates)])
     }
 
     /// Returns the state for a checkpoint.
@@ -143,7 +143,10 @@ impl FlowSolver {
         let [numbers, state, pressure, direction] = snapshot.arrays.as_slice() else {
             return false;
         };
-        let [time, step, error, rate, age, looked] = numbers.as_slice() else { return false };
+        let [time, step, error, rate, steps_since_estimate, estimate_time] = numbers.as_slice()
+        else {
+            return false;
+        };
         let lengths = [2 * self.state.len(), 2 * self.equations.pressure.len()];
         let fits = [state.len(), pressure.len()] == lengths
             && (direction.is_empty() || direction.len() == lengths[0]);
@@ -159,8 +162,8 @@ impl FlowSolver {
             step: *step,
             error: *error,
             spectral_radius: *rate,
-            steps_since_estimate: *age as usize,
-            estimate_time: *looked,
+            steps_since_estimate: *steps_since_estimate as usize,
+            estimate_time: *estimate_time,
             eigenvector: complex(direction),
         };
         // Succeeds, since the stress of a saved state exists.

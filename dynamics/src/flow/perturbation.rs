@@ -10,12 +10,12 @@ use std::f64::consts::PI;
 /// box of edges L, m.
 pub type FourierMode = ([i64; 2], Complex64);
 
-/// Points of the initial box.
+/// Regular grid of points in the initial box, at the centres of equal rectangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
-    /// Number of points along each axis.
+    /// Number of points along each axis of the box.
     pub points: [usize; 2],
-    /// Edge lengths of the box, m.
+    /// Edge lengths of the initial box, m.
     pub lengths: [f64; 2],
 }
 
@@ -27,13 +27,13 @@ pub fn plane_wave(mode: [i64; 2], amplitude: f64, phase: f64) -> FourierMode {
 /// Generates a random series of all modes with `from` ≤ |m| ≤ `to` (one of each pair ±m), of equal amplitudes, with
 /// root mean square `amplitude`. The phase of a mode depends only on the seed and the mode.
 pub fn generate_noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<FourierMode> {
-    let most = to as i64;
+    let max_number = to as i64;
     let in_band = |[m1, m2]: &[i64; 2]| {
         let square = (m1 * m1 + m2 * m2) as f64;
         (from * from..=to * to).contains(&square)
     };
-    let modes: Vec<[i64; 2]> = (0..=most)
-        .flat_map(|m1| (if m1 == 0 { 1 } else { -most }..=most).map(move |m2| [m1, m2]))
+    let modes: Vec<[i64; 2]> = (0..=max_number)
+        .flat_map(|m1| (if m1 == 0 { 1 } else { -max_number }..=max_number).map(move |m2| [m1, m2]))
         .filter(in_band)
         .collect();
     let each = amplitude * (2.0 / modes.len() as f64).sqrt();
@@ -95,32 +95,32 @@ impl Lattice {
         })
     }
 
-    /// Selects the resolved modes.
+    /// Selects the waves whose modes are resolved on this grid of points.
     fn select_resolved_modes<'a>(
         &self,
         waves: &'a [FourierMode],
     ) -> impl Iterator<Item = FourierMode> + use<'a> {
-        let greatest = max_dealiased_modes(self.points);
-        let is_held = move |wave: &FourierMode| {
-            wave.0.iter().zip(greatest).all(|(m, most)| m.unsigned_abs() <= most as u64)
+        let max_modes = max_dealiased_modes(self.points);
+        let is_resolved = move |wave: &FourierMode| {
+            wave.0.iter().zip(max_modes).all(|(m, max)| m.unsigned_abs() <= max as u64)
         };
-        waves.iter().copied().filter(is_held)
+        waves.iter().copied().filter(is_resolved)
     }
 
     /// Evaluates Σ Re c exp(ik·y) at the points, by partial sums along the second axis.
     fn sum_modes(&self, waves: impl IntoIterator<Item = FourierMode>) -> Vec<f64> {
         let [columns, rows] = self.points;
-        let [column_turn, row_turn] = self.points.map(tabulate_roots_of_unity);
+        let [column_roots, row_roots] = self.points.map(tabulate_roots_of_unity);
         let mut by_first: BTreeMap<i64, Vec<Complex64>> = BTreeMap::new();
         for ([m1, m2], amplitude) in waves {
             let sums = by_first.entry(m1).or_insert_with(|| vec![Complex64::ZERO; rows]);
-            for (sum, wave) in sums.iter_mut().zip(iterate_phases(m2, &row_turn)) {
+            for (sum, wave) in sums.iter_mut().zip(iterate_phases(m2, &row_roots)) {
                 *sum += amplitude * wave;
             }
         }
         let mut values = vec![0.0; columns * rows];
         for (m1, sums) in by_first {
-            let waves: Vec<Complex64> = iterate_phases(m1, &column_turn).collect();
+            let waves: Vec<Complex64> = iterate_phases(m1, &column_roots).collect();
             for (row, sum) in values.chunks_exact_mut(columns).zip(sums) {
                 for (value, wave) in row.iter_mut().zip(&waves) {
                     *value += sum.re * wave.re - sum.im * wave.im;
@@ -130,12 +130,13 @@ impl Lattice {
         values
     }
 
-    /// Evaluates the Gaussian exp(−(r/radius)²) at the points; r, m: distance from the nearest periodic image of `at`.
-    pub fn evaluate_gaussian(&self, at: [f64; 2], radius: f64) -> Vec<f64> {
+    /// Evaluates the Gaussian exp(−(r/radius)²) at the points; r, m: distance from the nearest periodic image of
+    /// `centre`.
+    pub fn evaluate_gaussian(&self, centre: [f64; 2], radius: f64) -> Vec<f64> {
         let [first, second] = [0, 1].map(|axis| -> Vec<f64> {
             let length = self.lengths[axis];
             let distance = |i: usize| {
-                let distance = (self.position(axis, i) - at[axis]).abs();
+                let distance = (self.position(axis, i) - centre[axis]).abs();
                 distance.min(length - distance)
             };
             (0..self.points[axis]).map(|i| (-(distance(i) / radius).powi(2)).cr_exp()).collect()
@@ -144,7 +145,7 @@ impl Lattice {
     }
 }
 
-/// Multiplies values by an envelope.
+/// Multiplies values at the points by an envelope, if there is one.
 fn apply_envelope(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
     if let Some(bell) = envelope {
         values.iter_mut().zip(bell).for_each(|(value, bell)| *value *= bell);
@@ -156,14 +157,14 @@ fn apply_envelope(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    fn small_lattice(count: [usize; 2]) -> Lattice {
+    fn build_lattice(count: [usize; 2]) -> Lattice {
         Lattice { points: count, lengths: [0.1, 0.3] }
     }
 
     /// Verifies the values of a wave against the formula, and that its velocity is normal to the wave vector.
     #[test]
     fn waves_are_transverse() {
-        let grid = small_lattice([16, 24]);
+        let grid = build_lattice([16, 24]);
         let wave = plane_wave([2, -3], 0.7, 25f64.to_radians());
         let velocity = grid.evaluate_transverse(&[wave], None);
         let k = [2.0 * PI * 2.0 / 0.1, -2.0 * PI * 3.0 / 0.3];
@@ -187,19 +188,20 @@ mod tests {
         let mean_square = |values: &[f64]| {
             values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
         };
-        let coarse = small_lattice([16, 16]).evaluate_scalar(&modes, None);
+        let coarse = build_lattice([16, 16]).evaluate_scalar(&modes, None);
         assert!((mean_square(&coarse).sqrt() - 0.3).abs() < 1e-13);
         // On a grid three times as fine, every third point is a point of the coarse grid.
-        let fine = small_lattice([48, 48]).evaluate_scalar(&modes, None);
+        let fine = build_lattice([48, 48]).evaluate_scalar(&modes, None);
         for j in 0..16 {
             for i in 0..16 {
-                let (one, other) = (coarse[j * 16 + i], fine[(3 * j + 1) * 48 + 3 * i + 1]);
-                assert!((one - other).abs() < 1e-12);
+                let (coarse_value, fine_value) =
+                    (coarse[j * 16 + i], fine[(3 * j + 1) * 48 + 3 * i + 1]);
+                assert!((coarse_value - fine_value).abs() < 1e-12);
             }
         }
-        let other =
-            small_lattice([16, 16]).evaluate_scalar(&generate_noise(2.0, 5.0, 0.3, 8), None);
-        let product: f64 = coarse.iter().zip(&other).map(|(a, b)| a * b).sum();
+        let fine_value =
+            build_lattice([16, 16]).evaluate_scalar(&generate_noise(2.0, 5.0, 0.3, 8), None);
+        let product: f64 = coarse.iter().zip(&fine_value).map(|(a, b)| a * b).sum();
         assert!(product.abs() < 0.5 * 256.0 * 0.09, "{product}");
         // In a wider band, the modes that both bands contain have the same phases.
         let wider: BTreeMap<[i64; 2], f64> =
@@ -211,11 +213,11 @@ mod tests {
     /// Verifies that a Gaussian is largest next to its centre and periodic along x₁.
     #[test]
     fn gaussians_are_periodic() {
-        let bell = small_lattice([20, 20]).evaluate_gaussian([0.0025, 0.15], 0.02);
+        let bell = build_lattice([20, 20]).evaluate_gaussian([0.0025, 0.15], 0.02);
         // The centre is midway between the points (i, j) = (0, 9) and (0, 10), the latter with index 10·20 + 0.
         let middle = 200;
-        let greatest = bell.iter().fold(0.0f64, |a, b| a.max(*b));
-        assert!((bell[middle] - greatest).abs() < 1e-14);
+        let largest = bell.iter().fold(0.0f64, |a, b| a.max(*b));
+        assert!((bell[middle] - largest).abs() < 1e-14);
         let (left, right) = (bell[middle - middle % 20 + 19], bell[middle + 1]);
         assert!((left - right).abs() < 1e-15, "{left} {right}");
     }

@@ -26,13 +26,13 @@ const RESTART_LENGTH: usize = 30;
 /// Number of GMRES iterations from which on there is no further restart.
 const MAX_ITERATIONS: usize = 300;
 
-/// Pressure equation for a given field ψ.
+/// Pressure equation for a given field of the stress angle ψ.
 pub(super) struct PressureEquation<'a> {
     pub(super) waves: &'a ModeWaveVectors,
     pub(super) sin_phi: f64,
-    /// cos 2ψ and sin 2ψ at the points.
+    /// cos 2ψ and sin 2ψ of the stress angle ψ at the points.
     pub(super) stress_double_angle: [&'a [f64]; 2],
-    /// Means of cos 2ψ and sin 2ψ.
+    /// Means of cos 2ψ and sin 2ψ over the box.
     pub(super) mean_double_angle: [f64; 2],
 }
 
@@ -46,7 +46,7 @@ impl PressureEquation<'_> {
     }
 }
 
-/// Effort and accuracy of a solution.
+/// Number of iterations and accuracy of a solution of the pressure equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Convergence {
     pub(super) iterations: usize,
@@ -54,7 +54,7 @@ pub(super) struct Convergence {
     pub(super) residual: f64,
 }
 
-/// Buffers of the pressure solver.
+/// Pressure solver: buffers of the GMRES iteration.
 pub(super) struct PressureSolver {
     /// Orthonormal basis of the Krylov space.
     basis: Vec<Vec<Complex64>>,
@@ -97,10 +97,11 @@ impl PressureSolver {
         for (direction, product) in equation.stress_double_angle.iter().zip(&mut self.products) {
             series.transform_forward(|point| values[point] * direction[point], product);
         }
-        let [one, other] = &self.products;
+        let [cosine_product, sine_product] = &self.products;
         series.fill_modes(&mut self.operator_result, equation.waves, |wave, i| {
             let [cos, sin] = wave.double_angle;
-            factor(wave) * p[i] - equation.sin_phi * (cos * one[i] + sin * other[i])
+            factor(wave) * p[i]
+                - equation.sin_phi * (cos * cosine_product[i] + sin * sine_product[i])
         });
     }
 
@@ -117,7 +118,7 @@ impl PressureSolver {
         p: &mut [Complex64],
     ) -> Result<Convergence, Convergence> {
         let size = series.mean_product(right, right).sqrt();
-        let goal = tolerance * size;
+        let residual_limit = tolerance * size;
         let mut iterations = 0;
         loop {
             self.apply_operator(series, equation, |_| 1.0, p);
@@ -126,7 +127,7 @@ impl PressureSolver {
                 series.mean_product(&self.operator_result, &self.operator_result).sqrt();
             let relative = if size > 0.0 { residual / size } else { 0.0 };
             let solved = Convergence { iterations, residual: relative };
-            if residual <= goal || size == 0.0 {
+            if residual <= residual_limit || size == 0.0 {
                 return Ok(solved);
             }
             if iterations >= MAX_ITERATIONS || !residual.is_finite() {
@@ -135,18 +136,23 @@ impl PressureSolver {
             // Arnoldi process; Givens rotations make the Hessenberg matrix triangular.
             let mut triangle: Vec<Vec<f64>> = Vec::new();
             let mut rotations: Vec<[f64; 2]> = Vec::new();
-            let mut rest = vec![residual];
+            let mut rotated_residual = vec![residual];
             self.store_basis_vector(0, 1.0 / residual);
-            while triangle.len() < RESTART_LENGTH && residual > goal {
+            while triangle.len() < RESTART_LENGTH && residual > residual_limit {
                 let last = triangle.len();
-                let own = std::mem::take(&mut self.basis[last]);
-                self.apply_operator(series, equation, |wave| equation.preconditioner(wave), &own);
-                self.basis[last] = own;
+                let basis_vector = std::mem::take(&mut self.basis[last]);
+                self.apply_operator(
+                    series,
+                    equation,
+                    |wave| equation.preconditioner(wave),
+                    &basis_vector,
+                );
+                self.basis[last] = basis_vector;
                 let mut column = Vec::with_capacity(last + 2);
-                for own in &self.basis[..=last] {
-                    let part = series.mean_product(own, &self.operator_result);
-                    axpby(&mut self.operator_result, 1.0, own, -part);
-                    column.push(part);
+                for basis_vector in &self.basis[..=last] {
+                    let projection = series.mean_product(basis_vector, &self.operator_result);
+                    axpby(&mut self.operator_result, 1.0, basis_vector, -projection);
+                    column.push(projection);
                 }
                 let norm = series.mean_product(&self.operator_result, &self.operator_result).sqrt();
                 if norm > 0.0 {
@@ -161,18 +167,19 @@ impl PressureSolver {
                 let [cos, sin] = [column[last] / length, norm / length];
                 column[last] = length;
                 rotations.push([cos, sin]);
-                rest.push(-sin * rest[last]);
-                rest[last] *= cos;
-                residual = rest[last + 1].abs();
+                rotated_residual.push(-sin * rotated_residual[last]);
+                rotated_residual[last] *= cos;
+                residual = rotated_residual[last + 1].abs();
                 triangle.push(column);
                 iterations += 1;
             }
             // Back substitution and linear combination of the basis.
             self.correction.fill(Complex64::ZERO);
             for i in (0..triangle.len()).rev() {
-                let factor = rest[i] / triangle[i][i];
-                for (rest, entry) in rest[..i].iter_mut().zip(&triangle[i]) {
-                    *rest -= factor * entry;
+                let factor = rotated_residual[i] / triangle[i][i];
+                for (rotated_residual, entry) in rotated_residual[..i].iter_mut().zip(&triangle[i])
+                {
+                    *rotated_residual -= factor * entry;
                 }
                 axpby(&mut self.correction, 1.0, &self.basis[i], factor);
             }

@@ -6,7 +6,7 @@ use models::common::elementary::Elementary;
 /// A homogeneous flow and the box in which it is perturbed; SI units, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowProblem {
-    /// Equation for the stress angle.
+    /// Equation for the stress angle ψ.
     pub closure: Closure,
     /// Density ρ, kg/m³; > 0.
     pub density: f64,
@@ -39,13 +39,13 @@ pub struct FlowProblem {
     pub min_shear_rate: f64,
 }
 
-/// An invalid problem.
+/// Error: an invalid parameter of a flow problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FlowError {
     /// Too few points, or an odd number of them.
     #[error("{0:?} points: an even number of at least 4 is needed along each axis")]
     PointCount([usize; 2]),
-    /// A parameter out of its range.
+    /// A parameter outside its admissible range.
     #[error("{name} cannot be {value}")]
     Parameter {
         /// Name of the parameter.

@@ -19,13 +19,13 @@ pub type ModeNumbers = [i32; 2];
 /// Resolved modes and their transforms.
 pub struct FourierSeries {
     points: [usize; 2],
-    /// Largest mode numbers K₁, K₂.
+    /// Largest resolved mode numbers K₁ and K₂ along the axes.
     max_modes: [usize; 2],
     rows_forward: Arc<dyn RealToComplex<f64>>,
     rows_inverse: Arc<dyn ComplexToReal<f64>>,
     columns_forward: Arc<dyn Fft<f64>>,
     columns_inverse: Arc<dyn Fft<f64>>,
-    /// Buffer for data transformed along one of the axes.
+    /// Buffer for values that are transformed along the first axis only.
     half_transformed: Vec<Complex64>,
 }
 
@@ -36,15 +36,15 @@ impl FourierSeries {
     pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
-        let greatest = max_dealiased_modes(points);
+        let max_modes = max_dealiased_modes(points);
         Self {
             points,
-            max_modes: greatest,
+            max_modes,
             rows_forward: real.plan_fft_forward(points[0]),
             rows_inverse: real.plan_fft_inverse(points[0]),
             columns_forward: complex.plan_fft_forward(points[1]),
             columns_inverse: complex.plan_fft_inverse(points[1]),
-            half_transformed: vec![Complex64::ZERO; (greatest[0] + 1) * points[1]],
+            half_transformed: vec![Complex64::ZERO; (max_modes[0] + 1) * points[1]],
         }
     }
 
@@ -70,17 +70,17 @@ impl FourierSeries {
 
     /// Returns the mode with a storage index.
     pub fn mode(&self, index: usize) -> ModeNumbers {
-        let (column, place) = (index / self.column_length(), index % self.column_length());
-        let wraps = place > self.max_modes[1];
-        [column as i32, place as i32 - if wraps { self.column_length() as i32 } else { 0 }]
+        let (column, position) = (index / self.column_length(), index % self.column_length());
+        let is_negative = position > self.max_modes[1];
+        [column as i32, position as i32 - if is_negative { self.column_length() as i32 } else { 0 }]
     }
 
     /// Returns the storage index of a mode: `None` if it is unresolved or only its conjugate, −m, is stored.
     pub fn mode_index(&self, [first, second]: ModeNumbers) -> Option<usize> {
-        let [most, across] = self.max_modes.map(|greatest| greatest as i32);
-        let is_kept = (0..=most).contains(&first) && second.abs() <= across;
+        let [max_first, max_second] = self.max_modes.map(|number| number as i32);
+        let is_stored = (0..=max_first).contains(&first) && second.abs() <= max_second;
         let column = self.column_length();
-        is_kept.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
+        is_stored.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
     }
 
     /// Forward transform: computes modes from values at the points (first axis fastest).
@@ -93,7 +93,7 @@ impl FourierSeries {
         modes: &mut [Complex64],
     ) {
         let [columns, rows] = self.points;
-        let (stored, height, greatest) =
+        let (stored, height, max_modes) =
             (self.max_modes[0] + 1, self.column_length(), self.max_modes[1]);
         let scale = 1.0 / (columns * rows) as f64;
         self.half_transformed.par_chunks_mut(LINES_PER_TASK * stored).enumerate().for_each(
@@ -126,8 +126,8 @@ impl FourierSeries {
             }
             plan.process_with_scratch(&mut buffer, &mut scratch);
             for (modes, buffer) in modes.chunks_mut(height).zip(buffer.chunks(rows)) {
-                modes[..=greatest].copy_from_slice(&buffer[..=greatest]);
-                modes[greatest + 1..].copy_from_slice(&buffer[rows - greatest..]);
+                modes[..=max_modes].copy_from_slice(&buffer[..=max_modes]);
+                modes[max_modes + 1..].copy_from_slice(&buffer[rows - max_modes..]);
             }
         });
     }
@@ -145,7 +145,7 @@ impl FourierSeries {
         values: &mut [f64],
     ) {
         let [columns, rows] = self.points;
-        let (stored, height, greatest) =
+        let (stored, height, max_modes) =
             (self.max_modes[0] + 1, self.column_length(), self.max_modes[1]);
         let given = modes.par_chunks(height).zip(waves.by_mode.par_chunks(height));
         self.half_transformed.par_chunks_mut(rows).zip(given).for_each(|(half, (modes, waves))| {
@@ -153,7 +153,7 @@ impl FourierSeries {
             half.fill(Complex64::ZERO);
             let given = modes.iter().zip(waves).map(|(value, wave)| factor(wave) * value);
             for (place, value) in given.enumerate() {
-                half[if place > greatest { place + rows - height } else { place }] = value;
+                half[if place > max_modes { place + rows - height } else { place }] = value;
             }
             let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
             plan.process_with_scratch(half, &mut scratch);
@@ -203,11 +203,11 @@ impl FourierSeries {
     pub fn mean_product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
         let height = self.column_length();
         // Fixed order of the column sums: the same bits for any number of threads.
-        let of_column = |(one, other): (&[Complex64], &[Complex64])| -> f64 {
+        let column_product = |(one, other): (&[Complex64], &[Complex64])| -> f64 {
             one.iter().zip(other).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
         };
         let columns: Vec<f64> =
-            one.par_chunks(height).zip(other.par_chunks(height)).map(of_column).collect();
+            one.par_chunks(height).zip(other.par_chunks(height)).map(column_product).collect();
         // Factor 2: conjugate modes are not stored.
         columns[0] + 2.0 * columns[1..].iter().sum::<f64>()
     }
@@ -216,11 +216,11 @@ impl FourierSeries {
 /// Wave vector of a mode and functions of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ModeWaveVector {
-    /// k = k(cos θ, sin θ), 1/m.
+    /// Components of the wave vector k = k(cos θ, sin θ), 1/m.
     pub components: [f64; 2],
-    /// 1/k², m²; 0 for k = 0.
+    /// Inverse square of the wave number, 1/k², m²; 0 for k = 0.
     pub inverse_square: f64,
-    /// cos 2θ and sin 2θ; 0 for k = 0.
+    /// cos 2θ and sin 2θ of the direction θ of the wave vector; 0 for k = 0.
     pub double_angle: [f64; 2],
 }
 

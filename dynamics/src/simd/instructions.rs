@@ -7,9 +7,9 @@ use super::real::{Real, SimdKernel};
 pub enum InstructionSet {
     /// Instructions of every processor of the architecture.
     Baseline,
-    /// Registers of 256 bits.
+    /// AVX2: registers of 256 bits.
     Avx2,
-    /// Registers of 512 bits: AVX-512F, DQ and VL.
+    /// AVX-512 (F, DQ and VL): registers of 512 bits.
     Avx512,
 }
 

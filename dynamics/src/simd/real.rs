@@ -39,7 +39,7 @@ pub(crate) const MAX_LANES: usize = 16;
 
 /// Group of numbers, one per lane, in memory.
 pub trait LaneGroup<T>: Number {
-    /// Number of lanes.
+    /// Number of lanes of the group.
     const COUNT: usize;
 
     /// Returns a group with `value` in all lanes.
@@ -48,7 +48,7 @@ pub trait LaneGroup<T>: Number {
     /// Returns a group with the number `value(lane)` in each lane.
     fn from_lanes(value: impl FnMut(usize) -> T) -> Self;
 
-    /// Returns the numbers of the lanes.
+    /// Returns the numbers in the lanes.
     fn lanes(&self) -> &[T];
 
     /// Returns the numbers of the lanes, to be modified.
@@ -180,13 +180,13 @@ impl<T: Number, const COUNT: usize> LaneGroup<T> for Lanes<T, COUNT> {
 
 /// Group of numbers in registers: operations act lane by lane.
 pub trait Vector<T: Real>: Number {
-    /// Loads a group.
+    /// Loads the numbers of a group from memory.
     fn load(from: &T::Lanes) -> Self;
 
-    /// Stores a group.
+    /// Stores the numbers as a group in memory.
     fn store(self, to: &mut T::Lanes);
 
-    /// Returns `value` in all lanes.
+    /// Returns a group with `value` in all lanes.
     fn splat(value: T) -> Self;
 
     /// Shifts lanes up by one: lane i of the result is lane i − 1 of `self`, lane 0 the last lane of `previous`.

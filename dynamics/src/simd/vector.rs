@@ -135,10 +135,10 @@ mod tests {
     fn check_minmod3<T: Real>() {
         let tiny = T::MIN_POSITIVE.to_f64();
         let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
-        let all: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
+        let bounds: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
         let mut cases = Vec::new();
-        for &one in &all {
-            for &other in &all {
+        for &one in &bounds {
+            for &other in &bounds {
                 for mean in sizes.map(|size| size.copysign(one)) {
                     cases.push([mean, one, other]);
                 }
@@ -160,8 +160,8 @@ mod tests {
             for (place, case) in cases.iter().enumerate() {
                 let [mean, one, other] = case.map(|value| T::from_f64(value).to_f64());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
-                let least = mean.abs().min(one.abs()).min(other.abs()).copysign(one);
-                let expected = if differ { 0.0 } else { least };
+                let smallest = mean.abs().min(one.abs()).min(other.abs()).copysign(one);
+                let expected = if differ { 0.0 } else { smallest };
                 let found = found[place / lanes].lanes()[place % lanes].to_f64();
                 assert_eq!(found.to_bits(), expected.to_bits(), "{set:?} {case:?}");
             }
@@ -181,16 +181,18 @@ mod tests {
     /// unchanged, bit by bit, in every instruction set.
     fn check_flush<T: Real>() {
         let limit = 1e-3;
-        let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
+        let magnitudes = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
         for sign in [1.0, -1.0] {
-            let own = T::Lanes::from_lanes(|lane| T::from_f64(sign * all[lane % all.len()]));
+            let group = T::Lanes::from_lanes(|lane| {
+                T::from_f64(sign * magnitudes[lane % magnitudes.len()])
+            });
             for set in InstructionSet::available_sets() {
                 let mut found = T::Lanes::ZERO;
-                set.run_kernel::<T>(FlushKernel(own, T::from_f64(limit), &mut found));
-                for (own, found) in own.lanes().iter().zip(found.lanes()) {
-                    let is_below = own.to_f64().abs() < T::from_f64(limit).to_f64();
-                    let expected = if is_below { 0.0 } else { own.to_f64() };
-                    assert_eq!(found.to_f64().to_bits(), expected.to_bits(), "{set:?} {own:?}");
+                set.run_kernel::<T>(FlushKernel(group, T::from_f64(limit), &mut found));
+                for (group, found) in group.lanes().iter().zip(found.lanes()) {
+                    let is_below = group.to_f64().abs() < T::from_f64(limit).to_f64();
+                    let expected = if is_below { 0.0 } else { group.to_f64() };
+                    assert_eq!(found.to_f64().to_bits(), expected.to_bits(), "{set:?} {group:?}");
                 }
             }
         }
@@ -214,12 +216,12 @@ mod tests {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
             let Self(lanes, moved) = self;
-            let [own, other] = [0.0, 100.0]
+            let [first, second] = [0.0, 100.0]
                 .map(|from| T::Lanes::from_lanes(|lane| T::from_f64(from + lane as f64)));
-            let (own, other) = (V::load(&own), V::load(&other));
-            own.shift_in_low(other).store(&mut moved[0]);
-            own.shift_in_high(other).store(&mut moved[1]);
-            own.blend_lanes(lanes, other).store(&mut moved[2]);
+            let (first, second) = (V::load(&first), V::load(&second));
+            first.shift_in_low(second).store(&mut moved[0]);
+            first.shift_in_high(second).store(&mut moved[1]);
+            first.blend_lanes(lanes, second).store(&mut moved[2]);
         }
     }
 
@@ -237,11 +239,12 @@ mod tests {
                 (0..count).map(|i| i as f64 + f64::from(lanes >> i & 1) * 100.0).collect(),
             ];
             for set in InstructionSet::available_sets() {
-                let mut moved = [T::Lanes::ZERO; 3];
-                set.run_kernel::<T>(LaneShiftKernel(lanes, &mut moved));
-                for (moved, expected) in moved.iter().zip(&expected) {
-                    let moved: Vec<f64> = moved.lanes().iter().map(|lane| lane.to_f64()).collect();
-                    assert_eq!(&moved, expected, "{set:?} {lanes:b}");
+                let mut shifted = [T::Lanes::ZERO; 3];
+                set.run_kernel::<T>(LaneShiftKernel(lanes, &mut shifted));
+                for (shifted, expected) in shifted.iter().zip(&expected) {
+                    let found: Vec<f64> =
+                        shifted.lanes().iter().map(|lane| lane.to_f64()).collect();
+                    assert_eq!(&found, expected, "{set:?} {lanes:b}");
                 }
             }
         }

@@ -103,11 +103,11 @@ macro_rules! register_vector {
         impl Vector<$scalar> for $name {
             #[inline(always)]
             fn load(from: &Lanes<$scalar, { $count * $width }>) -> Self {
-                let mut all = Self::ZERO;
+                let mut group = Self::ZERO;
                 for i in 0..$count {
-                    all.0[i] = unsafe { $load(from.0.as_ptr().add(i * $width)) };
+                    group.0[i] = unsafe { $load(from.0.as_ptr().add(i * $width)) };
                 }
-                all
+                group
             }
 
             #[inline(always)]
@@ -126,9 +126,9 @@ macro_rules! register_vector {
             fn shift_in_low(mut self, previous: Self) -> Self {
                 let mut last = previous.0[$count - 1];
                 for i in 0..$count {
-                    let own = self.0[i];
-                    self.0[i] = unsafe { $shift::<{ $width - 1 }>(own, last) };
-                    last = own;
+                    let operand = self.0[i];
+                    self.0[i] = unsafe { $shift::<{ $width - 1 }>(operand, last) };
+                    last = operand;
                 }
                 self
             }
@@ -137,9 +137,9 @@ macro_rules! register_vector {
             fn shift_in_high(mut self, next: Self) -> Self {
                 let mut first = next.0[0];
                 for i in (0..$count).rev() {
-                    let own = self.0[i];
-                    self.0[i] = unsafe { $shift::<1>(first, own) };
-                    first = own;
+                    let operand = self.0[i];
+                    self.0[i] = unsafe { $shift::<1>(first, operand) };
+                    first = operand;
                 }
                 self
             }
@@ -205,7 +205,7 @@ unsafe fn gt_single512(one: __m512, other: __m512) -> u16 {
 #[inline(always)]
 unsafe fn shift_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
     unsafe {
-        let [high, low] = [high, low].map(|own| _mm256_castpd_si256(own));
+        let [high, low] = [high, low].map(|operand| _mm256_castpd_si256(operand));
         let middle = _mm256_permute2x128_si256::<0x21>(low, high);
         _mm256_castsi256_pd(match BY {
             1 => _mm256_alignr_epi8::<8>(middle, low),
@@ -217,7 +217,7 @@ unsafe fn shift_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d
 #[inline(always)]
 unsafe fn shift_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
     unsafe {
-        let [high, low] = [high, low].map(|own| _mm256_castps_si256(own));
+        let [high, low] = [high, low].map(|operand| _mm256_castps_si256(operand));
         let middle = _mm256_permute2x128_si256::<0x21>(low, high);
         _mm256_castsi256_ps(match BY {
             1 => _mm256_alignr_epi8::<4>(middle, low),
@@ -229,7 +229,7 @@ unsafe fn shift_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
 #[inline(always)]
 unsafe fn shift_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d {
     unsafe {
-        let [high, low] = [high, low].map(|own| _mm512_castpd_si512(own));
+        let [high, low] = [high, low].map(|operand| _mm512_castpd_si512(operand));
         _mm512_castsi512_pd(_mm512_alignr_epi64::<BY>(high, low))
     }
 }
@@ -237,41 +237,41 @@ unsafe fn shift_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d
 #[inline(always)]
 unsafe fn shift_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
     unsafe {
-        let [high, low] = [high, low].map(|own| _mm512_castps_si512(own));
+        let [high, low] = [high, low].map(|operand| _mm512_castps_si512(operand));
         _mm512_castsi512_ps(_mm512_alignr_epi32::<BY>(high, low))
     }
 }
 
-// Blends: numbers of `other` where the bit of `lanes` is set, numbers of `own` elsewhere.
+// Blends: numbers of `other` where the bit of `lanes` is set, numbers of `operand` elsewhere.
 
 #[inline(always)]
-unsafe fn blend_double256(own: __m256d, lanes: u16, other: __m256d) -> __m256d {
+unsafe fn blend_double256(operand: __m256d, lanes: u16, other: __m256d) -> __m256d {
     unsafe {
         let bits = _mm256_set_epi64x(8, 4, 2, 1);
         let chosen = _mm256_and_si256(_mm256_set1_epi64x(lanes.into()), bits);
         let chosen = _mm256_castsi256_pd(_mm256_cmpeq_epi64(chosen, bits));
-        _mm256_blendv_pd(own, other, chosen)
+        _mm256_blendv_pd(operand, other, chosen)
     }
 }
 
 #[inline(always)]
-unsafe fn blend_single256(own: __m256, lanes: u16, other: __m256) -> __m256 {
+unsafe fn blend_single256(operand: __m256, lanes: u16, other: __m256) -> __m256 {
     unsafe {
         let bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
         let chosen = _mm256_and_si256(_mm256_set1_epi32(lanes.into()), bits);
         let chosen = _mm256_castsi256_ps(_mm256_cmpeq_epi32(chosen, bits));
-        _mm256_blendv_ps(own, other, chosen)
+        _mm256_blendv_ps(operand, other, chosen)
     }
 }
 
 #[inline(always)]
-unsafe fn blend_double512(own: __m512d, lanes: u16, other: __m512d) -> __m512d {
-    unsafe { _mm512_mask_mov_pd(own, lanes as u8, other) }
+unsafe fn blend_double512(operand: __m512d, lanes: u16, other: __m512d) -> __m512d {
+    unsafe { _mm512_mask_mov_pd(operand, lanes as u8, other) }
 }
 
 #[inline(always)]
-unsafe fn blend_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
-    unsafe { _mm512_mask_mov_ps(own, lanes, other) }
+unsafe fn blend_single512(operand: __m512, lanes: u16, other: __m512) -> __m512 {
+    unsafe { _mm512_mask_mov_ps(operand, lanes, other) }
 }
 
 // Three-argument minmod: bit patterns of numbers of equal sign are ordered as their magnitudes, and integer minima
@@ -282,40 +282,41 @@ unsafe fn blend_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
 unsafe fn minmod3_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
     unsafe {
         let sign = _mm256_set1_pd(-0.0);
-        let [mean, least, last] = [mean, one, other].map(|own| _mm256_andnot_pd(sign, own));
-        let least = _mm256_min_pd(_mm256_min_pd(mean, least), last);
-        let least = _mm256_or_pd(least, _mm256_and_pd(sign, one));
-        _mm256_blendv_pd(least, _mm256_setzero_pd(), _mm256_xor_pd(one, other))
+        let [mean, smallest, last] =
+            [mean, one, other].map(|operand| _mm256_andnot_pd(sign, operand));
+        let smallest = _mm256_min_pd(_mm256_min_pd(mean, smallest), last);
+        let smallest = _mm256_or_pd(smallest, _mm256_and_pd(sign, one));
+        _mm256_blendv_pd(smallest, _mm256_setzero_pd(), _mm256_xor_pd(one, other))
     }
 }
 
 #[inline(always)]
 unsafe fn minmod3_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
     unsafe {
-        let [mean, least, last] = [mean, one, other].map(|own| _mm256_castps_si256(own));
-        let least = _mm256_min_epu32(_mm256_min_epu32(mean, least), last);
+        let [mean, smallest, last] = [mean, one, other].map(|operand| _mm256_castps_si256(operand));
+        let smallest = _mm256_min_epu32(_mm256_min_epu32(mean, smallest), last);
         let differ = _mm256_xor_ps(one, other);
-        _mm256_blendv_ps(_mm256_castsi256_ps(least), _mm256_setzero_ps(), differ)
+        _mm256_blendv_ps(_mm256_castsi256_ps(smallest), _mm256_setzero_ps(), differ)
     }
 }
 
 #[inline(always)]
 unsafe fn minmod3_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m512d {
     unsafe {
-        let [mean, one, other] = [mean, one, other].map(|own| _mm512_castpd_si512(own));
+        let [mean, one, other] = [mean, one, other].map(|operand| _mm512_castpd_si512(operand));
         let same = _mm512_movepi64_mask(_mm512_ternarylogic_epi64::<XNOR_TABLE>(one, one, other));
-        let least = _mm512_min_epu64(one, other);
-        _mm512_castsi512_pd(_mm512_maskz_min_epu64(same, least, mean))
+        let smallest = _mm512_min_epu64(one, other);
+        _mm512_castsi512_pd(_mm512_maskz_min_epu64(same, smallest, mean))
     }
 }
 
 #[inline(always)]
 unsafe fn minmod3_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
     unsafe {
-        let [mean, one, other] = [mean, one, other].map(|own| _mm512_castps_si512(own));
+        let [mean, one, other] = [mean, one, other].map(|operand| _mm512_castps_si512(operand));
         let same = _mm512_movepi32_mask(_mm512_ternarylogic_epi32::<XNOR_TABLE>(one, one, other));
-        let least = _mm512_min_epu32(one, other);
-        _mm512_castsi512_ps(_mm512_maskz_min_epu32(same, least, mean))
+        let smallest = _mm512_min_epu32(one, other);
+        _mm512_castsi512_ps(_mm512_maskz_min_epu32(same, smallest, mean))
     }
 }
 
@@ -326,34 +327,34 @@ const XNOR_TABLE: i32 = 0b1001_1001;
 // Flushes magnitudes below a limit to zero; NaN is unchanged.
 
 #[inline(always)]
-unsafe fn flush_double256(own: __m256d, limit: __m256d) -> __m256d {
+unsafe fn flush_double256(operand: __m256d, limit: __m256d) -> __m256d {
     unsafe {
-        let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), own);
-        _mm256_and_pd(own, _mm256_cmp_pd::<_CMP_NLT_UQ>(size, limit))
+        let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), operand);
+        _mm256_and_pd(operand, _mm256_cmp_pd::<_CMP_NLT_UQ>(size, limit))
     }
 }
 
 #[inline(always)]
-unsafe fn flush_single256(own: __m256, limit: __m256) -> __m256 {
+unsafe fn flush_single256(operand: __m256, limit: __m256) -> __m256 {
     unsafe {
-        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), own);
-        _mm256_and_ps(own, _mm256_cmp_ps::<_CMP_NLT_UQ>(size, limit))
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), operand);
+        _mm256_and_ps(operand, _mm256_cmp_ps::<_CMP_NLT_UQ>(size, limit))
     }
 }
 
 #[inline(always)]
-unsafe fn flush_double512(own: __m512d, limit: __m512d) -> __m512d {
+unsafe fn flush_double512(operand: __m512d, limit: __m512d) -> __m512d {
     unsafe {
-        let kept = _mm512_cmp_pd_mask::<_CMP_NLT_UQ>(_mm512_abs_pd(own), limit);
-        _mm512_maskz_mov_pd(kept, own)
+        let is_kept = _mm512_cmp_pd_mask::<_CMP_NLT_UQ>(_mm512_abs_pd(operand), limit);
+        _mm512_maskz_mov_pd(is_kept, operand)
     }
 }
 
 #[inline(always)]
-unsafe fn flush_single512(own: __m512, limit: __m512) -> __m512 {
+unsafe fn flush_single512(operand: __m512, limit: __m512) -> __m512 {
     unsafe {
-        let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(_mm512_abs_ps(own), limit);
-        _mm512_maskz_mov_ps(kept, own)
+        let is_kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(_mm512_abs_ps(operand), limit);
+        _mm512_maskz_mov_ps(is_kept, operand)
     }
 }
 

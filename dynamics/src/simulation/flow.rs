@@ -13,10 +13,10 @@ use std::cmp::Ordering;
 /// Number of intervals of the duration at whose ends steps end.
 const INTERVAL_COUNT: f64 = 200.0;
 
-/// Energy of a flow's perturbation and its balance.
+/// Energy account of a flow: energy of the perturbation, and works.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowAccount {
-    /// Time, s.
+    /// Time of the account, s.
     pub time: f64,
     /// Kinetic energy and works, J/m³.
     pub energy: FlowEnergy,
@@ -36,7 +36,7 @@ impl FlowAccount {
     }
 }
 
-/// Output fields of a flow.
+/// Output fields of a flow, and the deformation of its box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowFields {
     /// Values by [field](FlowSolver::output_fields) and point (x₁ fastest).
@@ -52,7 +52,7 @@ pub struct FlowSimulation {
     duration: f64,
     /// Ends of the intervals of the duration.
     interval_ends: RegularTimes,
-    /// Points whose fields are recorded.
+    /// Indices of the points whose fields are recorded.
     probes: Vec<usize>,
     initial_energy: f64,
     /// State before the last step; `None` before the first step since creating or restoring the simulation.
@@ -101,7 +101,7 @@ impl FlowSimulation {
         Ok(())
     }
 
-    /// Returns the flow.
+    /// Returns the flow solver in its present state.
     pub fn flow(&self) -> &FlowSolver {
         &self.flow
     }
@@ -183,9 +183,9 @@ impl Simulation for FlowSimulation {
         if self.probes.is_empty() || !std::mem::take(&mut self.has_new_record) {
             return Ok(());
         }
-        let values = self.flow.output_values();
-        let of_point = |&point: &usize| values.iter().map(move |values| values[point]);
-        let state: Vec<f64> = self.probes.iter().flat_map(of_point).collect();
+        let output = self.flow.output_values();
+        let point_values = |&point: &usize| output.iter().map(move |values| values[point]);
+        let state: Vec<f64> = self.probes.iter().flat_map(point_values).collect();
         deliver(self.flow.time(), &state)
     }
 

@@ -7,9 +7,9 @@ use std::cmp::Ordering;
 /// 10⁻⁶ intervals before it.
 #[derive(Clone, Copy, Debug)]
 pub struct RegularTimes {
-    /// Interval, s.
+    /// Interval between successive times, s.
     interval: f64,
-    /// Duration, s.
+    /// Duration, which is the last time, s.
     duration: f64,
     /// Number of times, 0 and the duration included.
     count: usize,
@@ -22,8 +22,8 @@ impl RegularTimes {
     /// Creates the multiples of `interval`, s, up to `duration`, s, both positive. If the duration exceeds 2⁵³
     /// intervals, the multiples after the 2⁵³-th are omitted.
     pub fn new(interval: f64, duration: f64) -> Self {
-        let inside = (duration / interval - 1e-6).floor().clamp(0.0, MAX_INTERIOR_TIMES);
-        Self { interval, duration, count: inside as usize + 2 }
+        let interior_count = (duration / interval - 1e-6).floor().clamp(0.0, MAX_INTERIOR_TIMES);
+        Self { interval, duration, count: interior_count as usize + 2 }
     }
 
     /// Returns time `index` (from 0), s; `None` beyond the last one.
@@ -74,10 +74,13 @@ mod tests {
             (1e-5, 0.7, 70_001),
         ] {
             let times = RegularTimes::new(interval, duration);
-            let all: Vec<f64> = (0..).map_while(|k| times.time(k)).collect();
-            assert_eq!((all.len(), all[0], *all.last().unwrap()), (count, 0.0, duration));
-            assert!(all.windows(2).all(|pair| pair[0] < pair[1]));
-            for (index, time) in all.iter().enumerate().step_by(7) {
+            let listed_times: Vec<f64> = (0..).map_while(|k| times.time(k)).collect();
+            assert_eq!(
+                (listed_times.len(), listed_times[0], *listed_times.last().unwrap()),
+                (count, 0.0, duration)
+            );
+            assert!(listed_times.windows(2).all(|pair| pair[0] < pair[1]));
+            for (index, time) in listed_times.iter().enumerate().step_by(7) {
                 assert_eq!(times.count_until(*time), index + 1, "{time}");
                 assert_eq!(times.count_until(time - 1e-3 * interval), index, "{time}");
             }

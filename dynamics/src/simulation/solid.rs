@@ -29,12 +29,12 @@ const MAX_BATCH_STEPS: usize = 64;
 /// thread in three dimensions. A run can be interrupted only between batches.
 const MAX_BATCH_CELL_STEPS: usize = 20_000_000;
 
-/// Energy of a solid and its ledger.
+/// Energy account of a solid: energy and ledger.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolidAccount {
-    /// Time, s.
+    /// Time of the account, s.
     pub time: f64,
-    /// Present energy, J.
+    /// Energy at this time, J.
     pub energy: Energy,
     /// Work and dissipation of the steps so far, J.
     pub ledger: Ledger,
@@ -55,7 +55,7 @@ impl SolidAccount {
     }
 }
 
-/// Output fields of a solid.
+/// Output fields of a solid: cell values, plastic dissipation and interlayers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidFields {
     /// Values by quantity and cell (first axis fastest): all fields of the media with total stresses, then the time
@@ -63,16 +63,17 @@ pub struct SolidFields {
     pub values: Vec<Vec<f64>>,
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     pub plastic_dissipation: Vec<f64>,
-    /// Faces of interlayers in plane strain ([`InterlayerLaw::Plane`](crate::solid::interlayers::InterlayerLaw)), and their
-    /// states; empty without such interlayers.
+    /// Faces of interlayers in plane strain ([`InterlayerLaw::Plane`](crate::solid::interlayers::InterlayerLaw)), and
+    /// their states; empty without such interlayers.
     pub interlayers: Vec<(InterlayerFace, FaceRecord<f64>)>,
 }
 
 impl SolidFields {
-    /// Interpolates linearly to the fields `other` of a later state; `part`: fraction of the time between the states,
-    /// in \[0, 1\]. Times of first slip and of fracture are those of the later state, like the ends of steps that they are.
-    fn interpolate(&self, other: &Self, part: f64) -> Self {
-        let line = |(a, b): (&f64, &f64)| (1.0 - part) * a + part * b;
+    /// Interpolates linearly to the fields `other` of a later state; `fraction`: fraction of the time between the
+    /// states, in \[0, 1\]. Times of first slip and of fracture are those of the later state: laws record them at ends
+    /// of steps.
+    fn interpolate(&self, other: &Self, fraction: f64) -> Self {
+        let line = |(a, b): (&f64, &f64)| (1.0 - fraction) * a + fraction * b;
         let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
         Self {
             values: self.values.iter().zip(&other.values).map(field).collect(),
@@ -105,7 +106,7 @@ impl SolidFields {
 /// A state whose energy or ledger is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidFault {
-    /// Time of the state, s.
+    /// Time of the faulty state, s.
     pub time: f64,
     /// Field and cell index of the first non-finite value; `None` if only the energy or the ledger is non-finite.
     pub location: Option<(SolidField, usize)>,
@@ -123,7 +124,7 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
     watched_cells: Vec<usize>,
     solver: Box<dyn SolidSolver<T>>,
     thread_count: usize,
-    /// Number of steps done.
+    /// Number of steps done since time 0.
     steps_done: usize,
     /// Account after `steps_done` steps.
     account: SolidAccount,
@@ -160,7 +161,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             ledger: Ledger::default(),
             initial_energy: 0.0,
         };
-        let mut own = Self {
+        let mut simulation = Self {
             probes: probes.into_iter().map(|probe| probe.reindex_cells(&watched)).collect(),
             problem,
             time_steps: steps,
@@ -175,30 +176,30 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             first_record_step: 0,
             saved_snapshot: RefCell::new(None),
         };
-        own.set_initial();
-        own.account = own.compute_account(0);
-        own.account.initial_energy = own.account.energy.total();
-        own.solver.watch_cells(&own.watched_cells);
-        own.solver.record_watched();
-        own.collect_records(0);
-        Ok(own)
+        simulation.set_initial_values();
+        simulation.account = simulation.compute_account(0);
+        simulation.account.initial_energy = simulation.account.energy.total();
+        simulation.solver.watch_cells(&simulation.watched_cells);
+        simulation.solver.record_watched_cells();
+        simulation.collect_records(0);
+        Ok(simulation)
     }
 
     /// Sets the initial values; all fields must be zero.
-    fn set_initial(&mut self) {
+    fn set_initial_values(&mut self) {
         for (field, values) in &self.initial_values {
             let values: Vec<T> = values.iter().map(|value| T::from_f64(*value)).collect();
-            self.solver.set(*field, &values);
+            self.solver.set_field(*field, &values);
         }
         self.solver.initialise_interlayers();
     }
 
-    /// Returns the problem.
+    /// Returns the problem that is simulated.
     pub fn problem(&self) -> &Problem<D> {
         &self.problem
     }
 
-    /// Returns the time steps.
+    /// Returns number and size of the time steps.
     pub fn time_steps(&self) -> TimeSteps {
         self.time_steps
     }
@@ -210,8 +211,8 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
 
     /// Returns the first cell, in the order of the solver, whose stress is outside its yield set; `None` without such a
     /// cell.
-    pub fn first_beyond_yield(&self) -> Option<usize> {
-        self.solver.first_beyond_yield()
+    pub fn first_cell_outside_yield_set(&self) -> Option<usize> {
+        self.solver.first_cell_outside_yield_set()
     }
 
     /// Computes the account after `done` steps from the state of the solver.
@@ -242,7 +243,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         (MAX_BATCH_CELL_STEPS / self.problem.grid.count().max(1)).clamp(1, MAX_BATCH_STEPS)
     }
 
-    /// Returns the fault of the solver's state.
+    /// Returns time and first non-finite value of the present state of the solver.
     fn locate_fault(&self) -> SolidFault {
         SolidFault { time: self.solver.time(), location: self.solver.first_non_finite() }
     }
@@ -250,21 +251,21 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     /// Restores the last saved state, or the initial one, and repeats the sound steps, with the same bits.
     fn replay_sound_steps<E: From<ThreadStartError>>(
         &mut self,
-        mut go_on: impl FnMut() -> Result<(), E>,
+        mut before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<(), E> {
         let saved = self.saved_snapshot.take().filter(|saved| saved.steps <= self.steps_done);
         let start = match saved {
             Some(saved) if self.solver.restore(&saved) => saved.steps,
             _ => {
                 self.solver.reset();
-                self.set_initial();
+                self.set_initial_values();
                 0
             }
         };
         self.solver.watch_cells(&[]);
         let batch = self.batch_size();
         for first in (start..self.steps_done).step_by(batch) {
-            go_on()?;
+            before_batch()?;
             self.solver.advance(batch.min(self.steps_done - first))?;
         }
         self.solver.watch_cells(&self.watched_cells);
@@ -307,8 +308,8 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn compare_time(&self, time: f64) -> Ordering {
-        let (step, part) = self.time_steps.locate(time);
-        match part > 0.0 {
+        let (step, fraction) = self.time_steps.locate(time);
+        match fraction > 0.0 {
             true if step < self.steps_done => Ordering::Less,
             true => Ordering::Greater,
             false => step.cmp(&self.steps_done),
@@ -320,8 +321,8 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn advance(&mut self, due: f64) -> Result<(), AdvanceError<SolidFault>> {
-        let (step, part) = self.time_steps.locate(due);
-        let is_between = step == self.steps_done && part > 0.0;
+        let (step, fraction) = self.time_steps.locate(due);
+        let is_between = step == self.steps_done && fraction > 0.0;
         self.fields_before_step = is_between.then(|| self.fields());
         let next = step.saturating_sub(self.steps_done).max(1);
         let next = next.min(self.batch_size()).min(self.time_steps.count - self.steps_done);
@@ -338,9 +339,9 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     fn recover<E: From<ThreadStartError>>(
         &mut self,
         _fault: SolidFault,
-        go_on: impl FnMut() -> Result<(), E>,
+        before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<SolidFault, E> {
-        self.replay_sound_steps(go_on)?;
+        self.replay_sound_steps(before_batch)?;
         Ok(self.advance_to_fault()?)
     }
 
@@ -384,10 +385,10 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {
-        let (_, part) = self.time_steps.locate(time);
+        let (_, fraction) = self.time_steps.locate(time);
         let now = self.fields();
-        Ok(match self.fields_before_step.as_ref().filter(|_| part > 0.0) {
-            Some(before) => before.interpolate(&now, part),
+        Ok(match self.fields_before_step.as_ref().filter(|_| fraction > 0.0) {
+            Some(before) => before.interpolate(&now, fraction),
             None => now,
         })
     }

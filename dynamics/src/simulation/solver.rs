@@ -9,7 +9,7 @@ use crate::solid::reference::Reference;
 use crate::solid::snapshot::Snapshot;
 use models::solid::waves::SolidField;
 
-/// Solver of a solid.
+/// Choice of the solver of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverChoice {
     /// Fused solver; the number of threads is limited by the number of layers. Its ledger lacks the numerical
@@ -37,10 +37,10 @@ impl SolverChoice {
         self,
         problem: &Problem<D>,
     ) -> Result<Box<dyn SolidSolver<T>>, DomainError> {
-        let (first, parts) = (problem.first_axis(), self.thread_count::<T, D>(problem));
+        let (first, thread_count) = (problem.first_axis(), self.thread_count::<T, D>(problem));
         Ok(match self {
             Self::Fused { .. } => {
-                Box::new(DecomposedDomain::<T, D>::with_first_axis(first, problem, parts)?)
+                Box::new(DecomposedDomain::<T, D>::with_first_axis(first, problem, thread_count)?)
             }
             Self::Reference => Box::new(Reference::<T, D>::with_first_axis(first, problem)?),
         })
@@ -51,14 +51,14 @@ impl SolverChoice {
 pub(super) trait SolidSolver<T: Real>: Send {
     /// Advances all fields by `steps` time steps.
     fn advance(&mut self, steps: usize) -> Result<(), ThreadStartError>;
-    /// Time, s.
+    /// Time of the present state, s.
     fn time(&self) -> f64;
     /// Energy of the deviation from the initial stress, J.
     fn energy(&self) -> Energy;
     /// Work and dissipation of the steps so far, J.
     fn ledger(&self) -> Ledger;
     /// Sets the values of a field, by cell of the problem.
-    fn set(&mut self, field: SolidField, values: &[T]);
+    fn set_field(&mut self, field: SolidField, values: &[T]);
     /// Sets interlayer velocities to the mean of the two adjacent cells, and their stresses to zero.
     fn initialise_interlayers(&mut self);
     /// Returns to the state of rest before the first step.
@@ -79,13 +79,13 @@ pub(super) trait SolidSolver<T: Real>: Send {
     /// Selects the cells to be recorded after each step.
     fn watch_cells(&mut self, cells: &[usize]);
     /// Records the watched cells in the present state.
-    fn record_watched(&mut self);
+    fn record_watched_cells(&mut self);
     /// Returns the records since the last call, by step, watched cell and output quantity.
     fn take_records(&mut self) -> Vec<f64>;
     /// Returns field and cell of the first non-finite value; `None` if all values are finite.
     fn first_non_finite(&self) -> Option<(SolidField, usize)>;
     /// Returns the first cell whose stress is outside its yield set; `None` if there is none.
-    fn first_beyond_yield(&self) -> Option<usize>;
+    fn first_cell_outside_yield_set(&self) -> Option<usize>;
 }
 
 macro_rules! impl_solid_solver {
@@ -108,8 +108,8 @@ macro_rules! impl_solid_solver {
                 self.ledger()
             }
 
-            fn set(&mut self, field: SolidField, values: &[T]) {
-                self.set(field, values);
+            fn set_field(&mut self, field: SolidField, values: &[T]) {
+                self.set_field(field, values);
             }
 
             fn initialise_interlayers(&mut self) {
@@ -148,8 +148,8 @@ macro_rules! impl_solid_solver {
                 self.watch_cells(cells);
             }
 
-            fn record_watched(&mut self) {
-                self.record_watched();
+            fn record_watched_cells(&mut self) {
+                self.record_watched_cells();
             }
 
             fn take_records(&mut self) -> Vec<f64> {
@@ -160,8 +160,8 @@ macro_rules! impl_solid_solver {
                 self.first_non_finite()
             }
 
-            fn first_beyond_yield(&self) -> Option<usize> {
-                self.first_beyond_yield()
+            fn first_cell_outside_yield_set(&self) -> Option<usize> {
+                self.first_cell_outside_yield_set()
             }
         }
     };

@@ -20,23 +20,23 @@ pub enum StepLimit {
 /// Equal time steps that end with the run.
 #[derive(Clone, Copy, Debug)]
 pub struct TimeSteps {
-    /// Number of steps.
+    /// Number of time steps of the run.
     pub count: usize,
     /// Time step Δt, s.
     pub step: f64,
-    /// Criterion that limits Δt.
+    /// Criterion that limits the time step Δt.
     pub limit: StepLimit,
     /// Duration of the run, s.
     duration: f64,
 }
 
-/// A run of more than 10¹² steps.
+/// Error: a run would need more than 10¹² time steps.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{count:.3e} steps of {longest_step:.3e} s")]
 pub struct TooManySteps {
-    /// Number of steps required.
+    /// Number of time steps required.
     count: f64,
-    /// Longest admissible step, s.
+    /// Longest admissible time step, s.
     longest_step: f64,
 }
 
@@ -54,15 +54,15 @@ impl TimeSteps {
         rotation: f64,
         duration: f64,
     ) -> Result<Self, TooManySteps> {
-        let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let rates = spacing.iter().enumerate().map(|(axis, spacing)| {
             let pairs = media.iter().flat_map(|m| &m.pairs[axis]);
-            greatest(&mut pairs.map(|pair| pair.speed())) / spacing
+            largest(&mut pairs.map(|pair| pair.speed())) / spacing
         });
         // A step has two sweeps along each axis.
-        let by_waves = 2.0 * courant / greatest(&mut { rates });
+        let by_waves = 2.0 * courant / largest(&mut { rates });
         let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
-        let by_rotation = rotation / greatest(&mut { frequencies });
+        let by_rotation = rotation / largest(&mut { frequencies });
         let longest_step = by_waves.min(by_rotation);
         let count = (duration / longest_step * (1.0 - 1e-12)).ceil().max(1.0);
         if count > MAX_STEPS {
@@ -81,13 +81,13 @@ impl TimeSteps {
     /// Returns the number of steps that end at or before `time`, s, and the fraction of the next step up to it, in \[0,
     /// 1), which is 0 if a step ends at that time up to rounding.
     pub fn locate(&self, time: f64) -> (usize, f64) {
-        let place = time / self.duration * self.count as f64;
-        let nearest = place.round();
-        let rounding = STEP_ROUNDING + 4.0 * f64::EPSILON * place;
-        if (place - nearest).abs() <= rounding {
+        let position = time / self.duration * self.count as f64;
+        let nearest = position.round();
+        let rounding = STEP_ROUNDING + 4.0 * f64::EPSILON * position;
+        if (position - nearest).abs() <= rounding {
             return (nearest as usize, 0.0);
         }
-        (place.floor() as usize, place - place.floor())
+        (position.floor() as usize, position - position.floor())
     }
 }
 
@@ -106,15 +106,18 @@ mod tests {
             let step = duration / count as f64;
             let steps = TimeSteps { count, step, limit: StepLimit::Wave, duration };
             let times = RegularTimes::new(interval, duration);
-            let all: Vec<f64> = (0..).map_while(|index| times.time(index)).collect();
-            assert_eq!(all.len(), ((duration / interval) * (1.0 - 1e-9)).ceil() as usize + 1);
-            for own in &all {
-                let (done, part) = steps.locate(*own);
-                assert!((0.0..1.0).contains(&part) && done <= count);
-                let time = (done as f64 + part) / count as f64 * duration;
+            let output_times: Vec<f64> = (0..).map_while(|index| times.time(index)).collect();
+            assert_eq!(
+                output_times.len(),
+                ((duration / interval) * (1.0 - 1e-9)).ceil() as usize + 1
+            );
+            for own in &output_times {
+                let (done, fraction) = steps.locate(*own);
+                assert!((0.0..1.0).contains(&fraction) && done <= count);
+                let time = (done as f64 + fraction) / count as f64 * duration;
                 assert!((time - own).abs() < 1e-12 * duration);
             }
-            assert_eq!(steps.locate(*all.last().unwrap()), (count, 0.0));
+            assert_eq!(steps.locate(*output_times.last().unwrap()), (count, 0.0));
             for done in 0..=count {
                 assert_eq!(steps.locate(steps.time(done)), (done, 0.0));
             }

@@ -35,13 +35,13 @@ impl<const D: usize> AxisPermutation<D> {
     /// Converts a linear index over the axes `from` (first of them fastest) to one over the same axes in the order
     /// `to`.
     fn reindex(&self, index: usize, from: &[usize], to: &[usize]) -> usize {
-        let mut along = [0; D];
-        let mut rest = index;
+        let mut indices = [0; D];
+        let mut remaining_index = index;
         for &axis in from {
-            along[axis] = rest % self.cells[axis];
-            rest /= self.cells[axis];
+            indices[axis] = remaining_index % self.cells[axis];
+            remaining_index /= self.cells[axis];
         }
-        to.iter().rev().fold(0, |index, &axis| index * self.cells[axis] + along[axis])
+        to.iter().rev().fold(0, |index, &axis| index * self.cells[axis] + indices[axis])
     }
 
     /// Returns the index in the domain of a cell of the problem.
@@ -115,15 +115,16 @@ impl<const D: usize> AxisPermutation<D> {
         if self.is_identity() {
             return Cow::Borrowed(own);
         }
-        let of_axis = |axis: usize| self.axes.iter().position(|own| *own == axis).unwrap_or(axis);
+        let permuted_axis =
+            |axis: usize| self.axes.iter().position(|own| *own == axis).unwrap_or(axis);
         let boundary = |axis: usize, own: &Boundary| {
             let Boundary::ByFace(pairs) = own else { return own.clone() };
             let by_face = |conditions: &Vec<Condition>| {
-                let mut all = conditions.clone();
+                let mut permuted = conditions.clone();
                 for (face, condition) in conditions.iter().enumerate() {
-                    all[self.permuted_face(axis, face)] = *condition;
+                    permuted[self.permuted_face(axis, face)] = *condition;
                 }
-                all
+                permuted
             };
             Boundary::ByFace(pairs.iter().map(by_face).collect())
         };
@@ -134,7 +135,7 @@ impl<const D: usize> AxisPermutation<D> {
         let load = |load: &Load| {
             let faces = load.faces.iter();
             let faces = faces.map(|&(face, share)| (self.permuted_face(load.axis, face), share));
-            Load { axis: of_axis(load.axis), faces: faces.collect(), ..load.clone() }
+            Load { axis: permuted_axis(load.axis), faces: faces.collect(), ..load.clone() }
         };
         let source = |source: &Source| {
             let cells = source.cells.iter().map(|&(cell, share)| (self.permuted_cell(cell), share));
@@ -142,7 +143,7 @@ impl<const D: usize> AxisPermutation<D> {
         };
         let interlayers = own.interlayers.iter();
         let interlayers =
-            interlayers.map(|own| Interlayers { axis: of_axis(own.axis), ..own.clone() });
+            interlayers.map(|own| Interlayers { axis: permuted_axis(own.axis), ..own.clone() });
         let initial_stress = own.initial_stress.clone();
         Cow::Owned(Problem {
             grid: self.permute_grid(&own.grid),
@@ -154,7 +155,7 @@ impl<const D: usize> AxisPermutation<D> {
             loads: own.loads.iter().map(load).collect(),
             sources: own.sources.iter().map(source).collect(),
             interlayers: interlayers.collect(),
-            initial_stress: initial_stress.map(|(axis, stress)| (of_axis(axis), stress)),
+            initial_stress: initial_stress.map(|(axis, stress)| (permuted_axis(axis), stress)),
             ..own.clone()
         })
     }

@@ -8,7 +8,7 @@ use crate::solid::medium::Medium;
 use models::solid::waves::SolidField;
 use std::sync::Arc;
 
-/// A dimensionless function of the time, s.
+/// Dimensionless function of the time, s, that multiplies the amplitudes of a load or source.
 pub type Signal = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// Boundary condition of a wave pair on a face.

@@ -9,16 +9,16 @@ use models::rheology::relaxation::{Relaxation, RelaxationIncrements, SymmetricTe
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
-/// Time interval over which a law acts; its constants are stored for both intervals.
+/// Time interval over which a cell law acts; the constants of a law are stored for both intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Interval {
-    /// A time step Δt.
+pub(crate) enum LawInterval {
+    /// A whole time step Δt.
     Step,
     /// Half a time step, Δt/2.
     HalfStep,
 }
 
-impl Interval {
+impl LawInterval {
     /// Evaluates `value` for both intervals, given as fractions of Δt.
     pub(crate) fn evaluate_both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
         [1.0, 0.5].map(value)
@@ -60,7 +60,7 @@ pub(crate) fn stress_from_fields<T: Real>(fields: &[SolidField], values: &[T]) -
     stress
 }
 
-/// Computes a + `factor`·b.
+/// Computes a + `factor`·b for two stresses a and b, Pa.
 pub(crate) fn add_scaled(a: &Stress, b: &Stress, factor: f64) -> Stress {
     let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
         std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
@@ -112,13 +112,13 @@ pub(crate) fn apply_source<T: Real>(
 /// Returns, for each spin k, the field indices of the spin and of the stresses ij and ji (ijk cyclic) whose
 /// antisymmetric part rotates with it.
 pub(crate) fn rotated_fields(fields: &[SolidField]) -> Vec<[usize; 3]> {
-    let place = |field: SolidField| fields.iter().position(|own| *own == field);
+    let index = |field: SolidField| fields.iter().position(|own| *own == field);
     let triple = |k: usize| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         Some([
-            place(SolidField::Spin(k))?,
-            place(SolidField::Stress(i, j))?,
-            place(SolidField::Stress(j, i))?,
+            index(SolidField::Spin(k))?,
+            index(SolidField::Stress(i, j))?,
+            index(SolidField::Stress(j, i))?,
         ])
     };
     (0..3).filter_map(triple).collect()
@@ -159,13 +159,13 @@ pub(crate) type RelaxedFields = ([[usize; 2]; 3], Vec<[usize; 3]>);
 
 /// Finds the fields that relax in a list of fields; `None` if nothing relaxes.
 pub(crate) fn find_relaxed_fields(fields: &[SolidField]) -> Option<RelaxedFields> {
-    let place = |field: SolidField| fields.iter().position(|own| *own == field);
+    let index = |field: SolidField| fields.iter().position(|own| *own == field);
     let normal = |i: usize| {
-        Some([place(SolidField::Stress(i, i))?, place(SolidField::ViscousStrain(i, i))?])
+        Some([index(SolidField::Stress(i, i))?, index(SolidField::ViscousStrain(i, i))?])
     };
     let shear = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
-        let [one, other] = [place(SolidField::Stress(i, j)), place(SolidField::Stress(j, i))];
-        Some([one.or(other)?, other.or(one)?, place(SolidField::ViscousStrain(i, j))?])
+        let [upper, lower] = [index(SolidField::Stress(i, j)), index(SolidField::Stress(j, i))];
+        Some([upper.or(lower)?, lower.or(upper)?, index(SolidField::ViscousStrain(i, j))?])
     });
     Some(([normal(0)?, normal(1)?, normal(2)?], shear.collect()))
 }
@@ -196,13 +196,13 @@ pub(crate) fn relaxation_coefficients<N>(
 /// Relaxes stresses and viscous strains: `normal` by axis, `shear` by plane, in the order of [`RelaxedFields`]. Returns
 /// the energy dissipated, J/m³.
 #[inline(always)]
-pub(crate) fn relax<N: Number, const SHEARS: usize>(
+pub(crate) fn relax<N: Number, const SHEAR_COUNT: usize>(
     constants: &Relaxation<N>,
     normal: &mut [[N; 2]; 3],
-    shear: &mut [[N; 3]; SHEARS],
+    shear: &mut [[N; 3]; SHEAR_COUNT],
 ) -> N {
-    let mut stress = SymmetricTensor::<N, SHEARS>::ZERO;
-    let mut strain = SymmetricTensor::<N, SHEARS>::ZERO;
+    let mut stress = SymmetricTensor::<N, SHEAR_COUNT>::ZERO;
+    let mut strain = SymmetricTensor::<N, SHEAR_COUNT>::ZERO;
     for (i, &[own, viscous]) in normal.iter().enumerate() {
         stress.normal[i] = own;
         strain.normal[i] = viscous;
@@ -211,7 +211,7 @@ pub(crate) fn relax<N: Number, const SHEARS: usize>(
         stress.shear[i] = N::HALF * (one + other);
         strain.shear[i] = viscous;
     }
-    let change: RelaxationIncrements<N, SHEARS> = constants.increments(stress, strain);
+    let change: RelaxationIncrements<N, SHEAR_COUNT> = constants.compute_increments(stress, strain);
     for (i, [own, viscous]) in normal.iter_mut().enumerate() {
         *own = *own + change.stress.normal[i];
         *viscous = *viscous + change.viscous_strain.normal[i];
@@ -228,7 +228,7 @@ pub(crate) fn relax<N: Number, const SHEARS: usize>(
 pub(crate) struct MappedStress {
     /// Stress after the return mapping, as deviation from the initial stress, Pa.
     pub(crate) stress: Stress,
-    /// Plastic dissipation, J/m³.
+    /// Plastic dissipation of the mapping, J/m³.
     pub(crate) dissipation: f64,
     /// Work of the initial stress on the plastic strain, J/m³; 0 without initial stress.
     pub(crate) initial_stress_work: f64,
@@ -256,24 +256,24 @@ pub(crate) fn map_stress(
     let energy = |stress: &Stress| medium.stored_energy(stress);
     // With the trial stress s̄, its projection s and the energy norm |·|: ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² −
     // ½|s̄ − s|²).
-    let beyond = if reflects { energy(&plastic) } else { 0.0 };
-    let dissipation = factor * (projection.energy_lost - beyond);
+    let reflection_loss = if reflects { energy(&plastic) } else { 0.0 };
+    let dissipation = factor * (projection.energy_lost - reflection_loss);
     // Inner product, in the energy norm, of the plastic stress change and the initial stress.
     let initial_stress_work = initial.map_or(0.0, |initial| {
-        let both = add_scaled(&plastic, initial, 1.0);
-        factor * (energy(&both) - energy(&plastic) - energy(initial))
+        let combined = add_scaled(&plastic, initial, 1.0);
+        factor * (energy(&combined) - energy(&plastic) - energy(initial))
     });
     let dissipation_ratio = dissipation / energy(&trial).max(f64::MIN_POSITIVE);
     debug_assert!(
         dissipation_ratio >= -1e-14,
         "the correction adds energy: {dissipation_ratio:e} of what is there"
     );
-    let moved = match reflects {
+    let mapped = match reflects {
         true => add_scaled(&projection.stress, &plastic, -1.0),
         false => projection.stress,
     };
     Some(MappedStress {
-        stress: add_scaled(&moved, offset, -1.0),
+        stress: add_scaled(&mapped, offset, -1.0),
         dissipation,
         initial_stress_work,
         dissipation_ratio,

@@ -31,37 +31,40 @@ fn sweep_between_boundaries<T: Real>(
     let count = cells.len();
     let state = |i: usize| State { velocity: velocity[i], stress: stress[i] };
     let ghosts = [0, 1].map(|end| {
-        let place = |depth: usize| if end == 0 { depth } else { count - 1 - depth };
+        let cell_index = |depth: usize| if end == 0 { depth } else { count - 1 - depth };
         let boundary = Boundary::ByPair(vec![conditions[end]]);
         let ghost_rule: GhostRule<T> =
             GhostRule::new(&boundary, 1, (&[(0, (0, 0))], 1), false, Slopes::FourthOrder);
         let numbers = ghost_rule.group_coefficients(0, 0).map(|lanes| lanes.lanes()[0]);
-        let inside: [usize; CLOSURE_CELLS] =
-            std::array::from_fn(|depth| place(depth.min(count - 1)));
-        let around = inside.map(|i| &cells[i]);
+        let outer_indices: [usize; CLOSURE_CELLS] =
+            std::array::from_fn(|depth| cell_index(depth.min(count - 1)));
+        let outer_cells = outer_indices.map(|i| &cells[i]);
         if count >= CLOSURE_CELLS {
-            let coefficients = GhostCoefficients::new(around[0]);
+            let coefficients = GhostCoefficients::new(outer_cells[0]);
             compute_ghosts(
                 ghost_rule.closure(),
-                inside.map(state),
+                outer_indices.map(state),
                 numbers,
                 end,
-                around,
+                outer_cells,
                 &coefficients,
             )
         } else {
             [0, 1].map(|depth| {
-                let own = state(place(depth));
+                let image_source = state(cell_index(depth));
                 let [v, a, s, b, _] = numbers;
-                State { velocity: v * own.velocity + a, stress: s * own.stress + b }
+                State {
+                    velocity: v * image_source.velocity + a,
+                    stress: s * image_source.stress + b,
+                }
             })
         }
     });
     let line = |own: &[T], pick: fn(&State<T>) -> T| -> Vec<T> {
-        let mut all: Vec<T> = ghosts[0].iter().rev().map(pick).collect();
-        all.extend(own);
-        all.extend(ghosts[1].iter().map(pick));
-        all
+        let mut line_values: Vec<T> = ghosts[0].iter().rev().map(pick).collect();
+        line_values.extend(own);
+        line_values.extend(ghosts[1].iter().map(pick));
+        line_values
     };
     let mut all_cells = vec![cells[1], cells[0]];
     all_cells.extend(cells);

@@ -14,7 +14,7 @@ use models::interface::layer::{LayerLaw, MAX_HISTORY_VARIABLES};
 use models::interface::saturated::SaturatedLayer;
 use std::collections::HashMap;
 
-/// Largest number of sub-steps per step: a halo has as many valid cells beyond those that the other stages read.
+/// Largest number of sub-steps of the flow per time step, since each sub-step reads one more cell of the halo.
 pub(crate) const MAX_FLUID_SUBSTEPS: usize = 2;
 
 /// Position of a saturated face: axis normal to it, and coordinates of the cell above it.
@@ -28,29 +28,32 @@ struct NetworkCell<T> {
     length: T,
 }
 
-/// Vertex: the cells that end there, those on the lower and the upper side along the first axis, then along the second.
+/// Vertex of the grid at which cells of the network end.
 #[derive(Clone, Default)]
 struct Vertex {
+    /// Cells of the network that end here: on the lower and the upper side along the first axis, then along the second.
     arms: [Option<usize>; 4],
-    /// Whether a layer that ends there is open.
+    /// Whether a layer that ends here is open: the fluid flows out at zero pressure.
     is_open: bool,
 }
 
-/// Side of the vertex on which an arm lies.
+/// Side of a vertex on which each of its arms lies, in the order of [`Vertex::arms`].
 const ARM_SIDES: [ArmSide; 4] = [ArmSide::Lower, ArmSide::Upper, ArmSide::Lower, ArmSide::Upper];
 
-/// Network of saturated interlayers.
+/// Network of saturated interlayers: faces as cells, connected at the vertices of the grid.
 #[derive(Clone)]
 pub(crate) struct FluidNetwork<T> {
     cells: Vec<NetworkCell<T>>,
     vertices: Vec<Vertex>,
-    substeps: usize,
-    /// Buffers: history variables by cell; states at both ends by cell.
+    /// Number of sub-steps of a time step.
+    substep_count: usize,
+    /// Buffer: history variables of the face of each cell.
     history: Vec<[T; MAX_HISTORY_VARIABLES]>,
+    /// Buffer: states of the fluid at the lower and the upper end of each cell.
     end_states: Vec<[FluidState<T>; 2]>,
 }
 
-/// Grid and boundaries of a network.
+/// Grid and boundaries from which the network of a domain is built.
 #[derive(Clone, Copy)]
 pub(crate) struct NetworkGrid {
     /// Number of cells along each axis.
@@ -64,7 +67,7 @@ pub(crate) struct NetworkGrid {
 }
 
 impl NetworkGrid {
-    /// Returns the coordinates of both ends of a face; ends on a periodic boundary wrap around.
+    /// Returns the vertices at both ends of a face, by their coordinates; those on a periodic boundary wrap around.
     fn face_ends(&self, (axis, cell): FacePosition) -> [[usize; 2]; 2] {
         let along = 1 - axis;
         let mut upper = cell;
@@ -75,8 +78,8 @@ impl NetworkGrid {
         [cell, upper]
     }
 
-    /// Returns whether layers that end at a vertex are open.
-    fn is_open_at(&self, vertex: [usize; 2]) -> bool {
+    /// Whether layers that end at a vertex are open.
+    fn is_open_vertex(&self, vertex: [usize; 2]) -> bool {
         (0..2).any(|axis| {
             (vertex[axis] == 0 && self.is_open[axis][0])
                 || (vertex[axis] == self.cells[axis] && self.is_open[axis][1])
@@ -99,7 +102,7 @@ impl<T: Real> FluidNetwork<T> {
             let along = 1 - position.0;
             let ends = grid.face_ends(position).map(|vertex| {
                 *indices.entry(vertex).or_insert_with(|| {
-                    let is_open = grid.is_open_at(vertex);
+                    let is_open = grid.is_open_vertex(vertex);
                     vertices.push(Vertex { is_open, ..Vertex::default() });
                     vertices.len() - 1
                 })
@@ -109,36 +112,36 @@ impl<T: Real> FluidNetwork<T> {
             vertices[ends[1]].arms[2 * along] = Some(cells.len());
             cells.push(NetworkCell { law, length: T::from_f64(grid.spacing[along]) });
         }
-        let courant =
+        let courant_number =
             |cell: &NetworkCell<T>| cell.law.fluid.speed.to_f64() * step / cell.length.to_f64();
-        let largest = cells.iter().map(courant).fold(0.0, f64::max);
+        let max_courant_number = cells.iter().map(courant_number).fold(0.0, f64::max);
         // A Courant number of 1 may be exceeded by rounding.
-        let substeps = ((largest - 1e-6).ceil().max(1.0)) as usize;
+        let substep_count = ((max_courant_number - 1e-6).ceil().max(1.0)) as usize;
         let zero = FluidState { velocity: T::ZERO, stress: T::ZERO };
         Self {
             history: vec![[T::ZERO; MAX_HISTORY_VARIABLES]; cells.len()],
             end_states: vec![[zero; 2]; cells.len()],
             cells,
             vertices,
-            substeps,
+            substep_count,
         }
     }
 
-    /// Returns the history variables of the cells in the order in which they were given, to be read and written.
+    /// Returns the history variables of the faces, in the order in which the faces were given, for reading and writing.
     pub(crate) fn history_mut(&mut self) -> &mut [[T; MAX_HISTORY_VARIABLES]] {
         &mut self.history
     }
 
-    /// Returns velocities and stresses of an arm of a vertex.
-    fn arm_state(&self, cell: usize) -> (FluidState<T>, &FluidConstants<T>) {
+    /// Returns state and constants of the fluid in a cell.
+    fn fluid_state(&self, cell: usize) -> (FluidState<T>, &FluidConstants<T>) {
         let fluid = &self.cells[cell].law.fluid;
         (fluid.state(&self.history[cell]), fluid)
     }
 
-    /// Advances the flow by `step`, s.
+    /// Advances the flow by a time step of `step`, s, in sub-steps.
     pub(crate) fn advance(&mut self, step: f64) {
-        let step = T::from_f64(step / self.substeps as f64);
-        for _ in 0..self.substeps {
+        let step = T::from_f64(step / self.substep_count as f64);
+        for _ in 0..self.substep_count {
             for vertex in 0..self.vertices.len() {
                 let states = self.solve_vertex(vertex);
                 for (arm, state) in states.into_iter().enumerate() {
@@ -156,30 +159,35 @@ impl<T: Real> FluidNetwork<T> {
         }
     }
 
-    /// Solves the Riemann problem at a vertex; returns the states at the ends of its arms.
+    /// Solves the Riemann problem of the fluid at a vertex; returns the states at the ends of its arms.
     fn solve_vertex(&self, vertex: usize) -> [FluidState<T>; 4] {
         let vertex = &self.vertices[vertex];
         let zero = FluidState { velocity: T::ZERO, stress: T::ZERO };
         for along in 0..2 {
-            let others = 2 * (1 - along);
-            let is_straight = vertex.arms[others].is_none() && vertex.arms[others + 1].is_none();
+            let transverse = 2 * (1 - along);
+            let is_straight =
+                vertex.arms[transverse].is_none() && vertex.arms[transverse + 1].is_none();
             let (lower, upper) = (vertex.arms[2 * along], vertex.arms[2 * along + 1]);
             if let (Some(lower), Some(upper), true) = (lower, upper, is_straight) {
-                let [(one, own), (other, next)] = [lower, upper].map(|cell| self.arm_state(cell));
-                if own.thickness == next.thickness {
-                    return [solve_riemann([one, other], [own.impedance, next.impedance]); 4];
+                let [(lower_state, lower_fluid), (upper_state, upper_fluid)] =
+                    [lower, upper].map(|cell| self.fluid_state(cell));
+                if lower_fluid.thickness == upper_fluid.thickness {
+                    return [solve_riemann(
+                        [lower_state, upper_state],
+                        [lower_fluid.impedance, upper_fluid.impedance],
+                    ); 4];
                 }
             }
-            if let (true, Some((side, cell))) = (is_straight, single_arm(lower, upper)) {
-                let (state, own) = self.arm_state(cell);
+            if let (true, Some((side, cell))) = (is_straight, find_single_arm(lower, upper)) {
+                let (state, fluid) = self.fluid_state(cell);
                 let end = match vertex.is_open {
-                    true => solve_open_end(state, side, own.impedance),
-                    false => solve_closed_end(state, side, own.impedance),
+                    true => solve_open_end(state, side, fluid.impedance),
+                    false => solve_closed_end(state, side, fluid.impedance),
                 };
                 return [end; 4];
             }
         }
-        let absent = |side: ArmSide| JunctionArm {
+        let absent_arm = |side: ArmSide| JunctionArm {
             side,
             porosity: T::ZERO,
             thickness: T::ZERO,
@@ -187,14 +195,14 @@ impl<T: Real> FluidNetwork<T> {
             state: zero,
         };
         let arms = std::array::from_fn(|arm| match vertex.arms[arm] {
-            None => absent(ARM_SIDES[arm]),
+            None => absent_arm(ARM_SIDES[arm]),
             Some(cell) => {
-                let (state, own) = self.arm_state(cell);
+                let (state, fluid) = self.fluid_state(cell);
                 JunctionArm {
                     side: ARM_SIDES[arm],
                     porosity: self.cells[cell].law.porosity(&self.history[cell]),
-                    thickness: own.thickness,
-                    impedance: own.impedance,
+                    thickness: fluid.thickness,
+                    impedance: fluid.impedance,
                     state,
                 }
             }
@@ -204,7 +212,7 @@ impl<T: Real> FluidNetwork<T> {
 }
 
 /// Returns the only arm of two collinear ones, if just one exists.
-fn single_arm(lower: Option<usize>, upper: Option<usize>) -> Option<(ArmSide, usize)> {
+fn find_single_arm(lower: Option<usize>, upper: Option<usize>) -> Option<(ArmSide, usize)> {
     match (lower, upper) {
         (Some(cell), None) => Some((ArmSide::Lower, cell)),
         (None, Some(cell)) => Some((ArmSide::Upper, cell)),

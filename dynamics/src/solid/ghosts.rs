@@ -119,10 +119,11 @@ impl<T: Real> GhostRule<T> {
         };
         // Rules with non-zero shifts are stored by face, since they would alter padding lanes.
         let uniform_entries = |pair: usize| {
-            let mut all = faces.iter().map(|(face, _)| entry(boundary.condition(pair, *face)));
-            let first = all.next()?;
+            let mut face_entries =
+                faces.iter().map(|(face, _)| entry(boundary.condition(pair, *face)));
+            let first = face_entries.next()?;
             let is_homogeneous = first[1] == 0.0 && first[3] == 0.0;
-            (is_homogeneous && all.all(|own| own == first)).then_some(first)
+            (is_homogeneous && face_entries.all(|own| own == first)).then_some(first)
         };
         let uniform_entries =
             (0..pairs).map(uniform_entries).collect::<Option<Vec<_>>>().filter(|_| !is_loaded);
@@ -175,12 +176,13 @@ impl<T: Real> GhostRule<T> {
         for &(face, amplitude) in &load.faces {
             let from = faces.partition_point(|own| own.0 < face);
             for &(_, (group, lane)) in faces[from..].iter().take_while(|own| own.0 == face) {
-                let place = load.pair * self.groups_per_pair + group;
-                let sign = self.rules[place][0].lanes()[lane].to_f64();
+                let rule_index = load.pair * self.groups_per_pair + group;
+                let sign = self.rules[rule_index][0].lanes()[lane].to_f64();
                 if sign != 0.0 {
                     let shift_index = if sign < 0.0 { 1 } else { 3 };
-                    entries.push(((place, lane), shift_index, 2.0 * amplitude));
-                    unloaded_shifts.push(self.rules[place][shift_index].lanes()[lane].to_f64());
+                    entries.push(((rule_index, lane), shift_index, 2.0 * amplitude));
+                    unloaded_shifts
+                        .push(self.rules[rule_index][shift_index].lanes()[lane].to_f64());
                 }
             }
         }
@@ -193,17 +195,17 @@ impl<T: Real> GhostRule<T> {
     /// Evaluates the shifts at time `time`, s.
     pub(crate) fn set_time(&mut self, time: f64) {
         for load in &self.loads {
-            for (&((place, lane), shift_index, _), &unloaded_shift) in
+            for (&((rule_index, lane), shift_index, _), &unloaded_shift) in
                 load.entries.iter().zip(&load.unloaded_shifts)
             {
-                self.rules[place][shift_index].lanes_mut()[lane] = T::from_f64(unloaded_shift);
+                self.rules[rule_index][shift_index].lanes_mut()[lane] = T::from_f64(unloaded_shift);
             }
         }
         for load in &self.loads {
             let value = (load.signal)(time);
-            for &((place, lane), shift_index, amplitude) in &load.entries {
-                let own = &mut self.rules[place][shift_index].lanes_mut()[lane];
-                *own = *own + T::from_f64(amplitude * value);
+            for &((rule_index, lane), shift_index, amplitude) in &load.entries {
+                let shift = &mut self.rules[rule_index][shift_index].lanes_mut()[lane];
+                *shift = *shift + T::from_f64(amplitude * value);
             }
         }
     }
@@ -289,6 +291,7 @@ fn split_characteristics<N: Number>(
 }
 
 #[inline(always)]
+/// Computes the scalar product of two vectors of three components.
 fn dot<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
     a * one + b * two + c * three
 }
@@ -313,9 +316,9 @@ fn compute_fourth_order_ghosts<N: Number>(
     coefficients: &GhostCoefficients<N>,
 ) -> [State<N>; GHOSTS] {
     let cell = cells[0];
-    let two_alike = N::ONE - cell.contrast(cells[1]);
-    let of_one = two_alike * (N::ONE - cells[1].contrast(cells[2]));
-    let corrected = one_sided * of_one * coefficients.correction_flag;
+    let are_two_alike = N::ONE - cell.contrast(cells[1]);
+    let are_three_alike = are_two_alike * (N::ONE - cells[1].contrast(cells[2]));
+    let corrected = one_sided * are_three_alike * coefficients.correction_flag;
     let reflection = N::HALF * (sign_s - sign_v);
 
     let [out, own_in] = split_characteristics(end, outer_states[0], cell);
@@ -355,15 +358,19 @@ fn compute_fourth_order_ghosts<N: Number>(
         farther = [
             reflecting_weight * farther[0]
                 + open_weight * farther_out
-                + upwind_weight * (out - two_alike * (coefficients.upwind_cancellation * last)),
+                + upwind_weight * (out - are_two_alike * (coefficients.upwind_cancellation * last)),
             reflecting_weight * farther[1] + open_weight * farther_in,
         ];
     }
     let half_admittance = N::HALF / cell.impedance;
     // The result at reflecting faces must not depend on whether other faces are non-reflecting.
     let open_face = N::ONE - reflection * reflection;
-    let of_one = if has_open_faces { open_face + (N::ONE - open_face) * of_one } else { of_one };
-    let one_sided = one_sided * of_one;
+    let are_three_alike = if has_open_faces {
+        open_face + (N::ONE - open_face) * are_three_alike
+    } else {
+        are_three_alike
+    };
+    let one_sided = one_sided * are_three_alike;
     let ghosts = [
         state_from_characteristics(end == 0, nearest, half_admittance),
         state_from_characteristics(end == 0, farther, half_admittance),
@@ -428,10 +435,10 @@ fn compute_limited_ghosts<N: Number>(
     let inflow_part = (N::ONE - cell.half_courant) * b - outflow_part;
     let beta = y * y - inflow_part * inflow_part + N::QUARTER * one_minus_courant * (b * b);
     let excess_dissipation = averaged * averaged - beta.max(N::ZERO);
-    let needed = (courant * (steep * steep)).max(N::MIN_POSITIVE);
+    let required_dissipation = (courant * (steep * steep)).max(N::MIN_POSITIVE);
     // A factor of 4 would use the whole dissipation.
     let gain = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
-    let t = (gain * excess_dissipation.max(N::ZERO) / needed).min(N::ONE);
+    let t = (gain * excess_dissipation.max(N::ZERO) / required_dissipation).min(N::ONE);
     let root = (one_plus_courant * one_plus_courant
         - courant * (one_minus_courant * one_plus_courant))
         .sqrt();
@@ -465,9 +472,9 @@ fn state_from_characteristics<N: Number>(
 /// zeros.
 #[inline(always)]
 fn blend<N: Number>(weight: N, one: State<N>, other: State<N>) -> State<N> {
-    let rest = N::ONE - weight;
+    let other_weight = N::ONE - weight;
     State {
-        velocity: weight * one.velocity + rest * other.velocity,
-        stress: weight * one.stress + rest * other.stress,
+        velocity: weight * one.velocity + other_weight * other.velocity,
+        stress: weight * one.stress + other_weight * other.stress,
     }
 }

@@ -31,11 +31,11 @@ pub fn layer_densities(
     let mut densities = vec![f64::NAN; cells[axis]];
     for (cell, &medium) in cell_media.iter().enumerate() {
         let density = media[usize::from(medium)].inertia(SolidField::Velocity(axis));
-        let own = &mut densities[cell / stride % cells[axis]];
-        if own.is_nan() {
-            *own = density;
-        } else if *own != density {
-            return Err(NonUniformLayer { cell, densities: [*own, density] });
+        let layer_density = &mut densities[cell / stride % cells[axis]];
+        if layer_density.is_nan() {
+            *layer_density = density;
+        } else if *layer_density != density {
+            return Err(NonUniformLayer { cell, densities: [*layer_density, density] });
         }
     }
     Ok(densities)

@@ -26,7 +26,7 @@ pub struct Interlayer<N, L> {
     pub upper_cell: usize,
     /// Law of the interlayer.
     pub law: L,
-    /// History variables.
+    /// History variables of the law.
     pub history: Vec<N>,
 }
 
@@ -46,11 +46,11 @@ pub(crate) fn advance_interlayer<N: Number, L: FaceLaw<N, P>, const P: usize>(
         let [left, right] = incident[pair];
         incoming[pair] = RiemannData { impedance: impedance[pair], invariant: [-left, right] };
     }
-    let moved = law.advance(&incoming, interval, history);
+    let face_states = law.advance(&incoming, interval, history);
     let mut states = [[InterfaceState { difference: N::ZERO, sum: N::ZERO }; 2]; P];
     for pair in 0..P {
         for side in 0..2 {
-            let face = moved[pair][side];
+            let face = face_states[pair][side];
             let difference = impedance[pair][side] * face.velocity;
             states[pair][side] = InterfaceState {
                 difference: difference + difference,
@@ -63,11 +63,11 @@ pub(crate) fn advance_interlayer<N: Number, L: FaceLaw<N, P>, const P: usize>(
 
 /// Velocities, stresses and constants of a wave pair along a line, ghosts included.
 pub struct LineState<'a, T: Real> {
-    /// Velocities.
+    /// Velocity of each cell, m/s, or spin, rad/s.
     pub velocity: &'a mut [T],
-    /// Stresses.
+    /// Stress of each cell, Pa, or couple stress, N/m.
     pub stress: &'a mut [T],
-    /// Constants of the cells.
+    /// Constants of each cell.
     pub cells: &'a [CellConstants<T>],
     /// Accounts of the interior cells, if wanted.
     pub accounts: Option<&'a mut [SweepAccount]>,
@@ -81,43 +81,48 @@ pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T, P>, const P: usize>(
     interlayers: &mut [Interlayer<T, L>],
     interval: &Interval<T>,
 ) {
-    let places: Vec<usize> = interlayers.iter().map(|own| own.upper_cell).collect();
-    let find = |place: usize| places.binary_search(&place).ok();
-    let continuity = |place: usize| {
-        [place - 1, place, place + 1]
-            .map(|place| if find(place).is_some() { T::ZERO } else { T::ONE })
+    let upper_cells: Vec<usize> = interlayers.iter().map(|own| own.upper_cell).collect();
+    let find = |upper_cell: usize| upper_cells.binary_search(&upper_cell).ok();
+    let continuity = |upper_cell: usize| {
+        [upper_cell - 1, upper_cell, upper_cell + 1]
+            .map(|upper_cell| if find(upper_cell).is_some() { T::ZERO } else { T::ONE })
     };
     let length = lines.iter().map(|line| line.cells.len()).min().unwrap_or(0);
     // States of all interlayers that are not between two ghosts, from the states before the step.
     let mut interface_states = vec![None; interlayers.len()];
     for (own, states) in interlayers.iter_mut().zip(&mut interface_states) {
-        let place = own.upper_cell;
-        if place < GHOSTS || place + GHOSTS > length {
+        let upper_cell = own.upper_cell;
+        if upper_cell < GHOSTS || upper_cell + GHOSTS > length {
             continue;
         }
         let mut impedance = [[T::ZERO; 2]; P];
         let mut incident = [[T::ZERO; 2]; P];
         for (pair, line) in lines.iter().enumerate() {
-            let around: [&CellConstants<T>; 4] =
-                std::array::from_fn(|i| &line.cells[place - 2 + i]);
-            let own_states = std::array::from_fn(|i| State {
-                velocity: line.velocity[place - 2 + i],
-                stress: line.stress[place - 2 + i],
+            let adjacent_cells: [&CellConstants<T>; 4] =
+                std::array::from_fn(|i| &line.cells[upper_cell - 2 + i]);
+            let adjacent_states = std::array::from_fn(|i| State {
+                velocity: line.velocity[upper_cell - 2 + i],
+                stress: line.stress[upper_cell - 2 + i],
             });
-            impedance[pair] = [around[1].impedance, around[2].impedance];
-            incident[pair] = face_values(own_states, around, continuity(place), slopes);
+            impedance[pair] = [adjacent_cells[1].impedance, adjacent_cells[2].impedance];
+            incident[pair] =
+                face_values(adjacent_states, adjacent_cells, continuity(upper_cell), slopes);
         }
         *states =
             Some(advance_interlayer(&own.law, &impedance, &incident, interval, &mut own.history));
     }
     for (pair, line) in lines.iter_mut().enumerate() {
-        let at_face = |states: [State<T>; 4], around: [&CellConstants<T>; 4], place: usize| {
-            if let Some(Some(states)) = find(place).map(|index| interface_states[index]) {
-                return states[pair];
-            }
-            let values = face_values(states, around, continuity(place), slopes);
-            InterfaceState::riemann([around[1].impedance, around[2].impedance], values)
-        };
+        let at_face =
+            |states: [State<T>; 4], adjacent_cells: [&CellConstants<T>; 4], upper_cell: usize| {
+                if let Some(Some(states)) = find(upper_cell).map(|index| interface_states[index]) {
+                    return states[pair];
+                }
+                let values = face_values(states, adjacent_cells, continuity(upper_cell), slopes);
+                InterfaceState::riemann(
+                    [adjacent_cells[1].impedance, adjacent_cells[2].impedance],
+                    values,
+                )
+            };
         let accounts = line.accounts.as_deref_mut();
         advance(line.velocity, line.stress, line.cells, at_face, accounts);
     }
@@ -137,7 +142,7 @@ mod tests {
     struct WaveEmitter;
 
     impl FaceLaw<f64, 1> for WaveEmitter {
-        const HISTORY_VARIABLES: usize = 2;
+        const HISTORY_VARIABLE_COUNT: usize = 2;
 
         fn initialise(&self, _: &[[f64; 2]; 1], _: &mut [f64]) {}
 
@@ -169,16 +174,17 @@ mod tests {
     /// the waves that the interlayers emit; `amplitudes`: all in units of the square root of energy.
     fn sweep_dissipation(cells: &[CellConstants<f64>], slopes: Slopes, amplitudes: &[f64]) -> f64 {
         let count = cells.len();
-        let (mut all, mut velocity, mut stress) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut line_cells, mut velocity, mut stress) = (Vec::new(), Vec::new(), Vec::new());
         for place in 0..count + 2 * GHOSTS {
-            let inside = place.wrapping_sub(GHOSTS);
-            let cell = cells[inside.min(if place < GHOSTS { 0 } else { count - 1 })];
+            let cell_index = place.wrapping_sub(GHOSTS);
+            let cell = cells[cell_index.min(if place < GHOSTS { 0 } else { count - 1 })];
             let (z, c) = (cell.impedance, cell.courant());
-            all.push(cell);
+            line_cells.push(cell);
             // The reconstruction must not read ghosts.
-            let own = (inside < count).then(|| [amplitudes[inside], amplitudes[count + inside]]);
-            velocity.push(own.map_or(7.0, |own| own[0] * (2.0 * c / z).sqrt()));
-            stress.push(own.map_or(-3.0, |own| own[1] * (2.0 * c * z).sqrt()));
+            let cell_amplitudes = (cell_index < count)
+                .then(|| [amplitudes[cell_index], amplitudes[count + cell_index]]);
+            velocity.push(cell_amplitudes.map_or(7.0, |own| own[0] * (2.0 * c / z).sqrt()));
+            stress.push(cell_amplitudes.map_or(-3.0, |own| own[1] * (2.0 * c * z).sqrt()));
         }
         let mut emitters = [GHOSTS, GHOSTS + count].map(|upper_cell| Interlayer {
             upper_cell,
@@ -192,7 +198,7 @@ mod tests {
         let line = LineState {
             velocity: &mut velocity,
             stress: &mut stress,
-            cells: &all,
+            cells: &line_cells,
             accounts: Some(&mut accounts),
         };
         let interval = Interval { end: 1.0, step: 1.0 };

@@ -1,11 +1,11 @@
-//! Interlayers in a domain: blocky media.
+//! Interlayers between blocks of cells (blocky media): laws, planes of faces, and their checks.
 
 use super::medium::Medium;
 use super::problem::Problem;
 use crate::simd::Real;
 use models::common::number::Number;
 use models::interface::elastic::{
-    COMPONENT_VARIABLES, ElasticComponent, ElasticLayer, ElasticMaterial,
+    COMPONENT_VARIABLE_COUNT, ElasticComponent, ElasticLayer, ElasticMaterial,
 };
 use models::interface::layer::{FaceRecord, LayerLaw};
 use models::interface::opening_line::LayerMass;
@@ -16,22 +16,22 @@ use std::ops::Range;
 /// Largest number of wave pairs along an axis: those of a Cosserat solid in space.
 pub const MAX_PAIRS: usize = 6;
 
-/// Largest number of history variables of a face.
-pub(crate) const MAX_HISTORY_VARIABLES: usize = COMPONENT_VARIABLES * MAX_PAIRS;
+/// Largest number of history variables of the law of a face.
+pub(crate) const MAX_HISTORY_VARIABLES: usize = COMPONENT_VARIABLE_COUNT * MAX_PAIRS;
 
 /// Law of an interlayer: relates the traction components of all wave pairs of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InterlayerLaw<N> {
     /// Independent elastic components in the order of the wave pairs; those beyond the number of pairs are not used.
     Elastic([ElasticComponent<N>; MAX_PAIRS]),
-    /// Law that may couple the two traction components of a classical solid in the plane, and the index of the wave pair
-    /// with the normal velocity.
+    /// Law that may couple the two traction components of a classical solid in the plane, and the index of the wave
+    /// pair with the normal velocity.
     Plane(LayerLaw<N>, usize),
 }
 
 impl InterlayerLaw<f64> {
-    /// Elastic law of a material between blocks of a medium: the normal compliance for the wave pair whose velocity is
-    /// along the axis, the tangential compliance for the other velocities. Spins are continuous.
+    /// Creates the elastic law of a material between blocks of a medium: the normal compliance for the wave pair whose
+    /// velocity is along the axis, the tangential compliance for the other velocities. Spins are continuous.
     pub fn from_material(axis: usize, material: &ElasticMaterial, medium: &Medium) -> Self {
         let mass = LayerMass::new_box(material.mass());
         let component = |compliance: f64| ElasticComponent { mass, compliance };
@@ -51,7 +51,7 @@ impl InterlayerLaw<f64> {
         Self::Elastic(components)
     }
 
-    /// Checks the law for `pairs` wave pairs; the error is the reason.
+    /// Checks the constants of the law, and that it applies to `pairs` wave pairs; the error is the reason.
     fn check(&self, pairs: usize) -> Result<(), &'static str> {
         let is_admissible = |value: f64| value >= 0.0 && value.is_finite();
         match self {
@@ -60,10 +60,10 @@ impl InterlayerLaw<f64> {
                 false => Err("laws other than elastic need a classical solid in the plane"),
             },
             Self::Elastic(components) => {
-                let all = components
+                let constants = components
                     .iter()
                     .flat_map(|own| [own.mass.mass, own.mass.opening_mass, own.compliance]);
-                match all.into_iter().all(is_admissible) {
+                match constants.into_iter().all(is_admissible) {
                     true => Ok(()),
                     false => Err("masses and compliances must be finite and not negative"),
                 }
@@ -92,24 +92,24 @@ impl<N: Number> InterlayerLaw<N> {
     /// Returns the number of history variables of a face with `pairs` wave pairs.
     pub(crate) fn history_variables(&self, pairs: usize) -> usize {
         match self {
-            Self::Elastic(_) => COMPONENT_VARIABLES * pairs,
-            Self::Plane(law, _) => law.history_variables(),
+            Self::Elastic(_) => COMPONENT_VARIABLE_COUNT * pairs,
+            Self::Plane(law, _) => law.history_variable_count(),
         }
     }
 
-    /// Returns the law of elastic components of `P` wave pairs.
+    /// Returns the elastic law of the first `P` components, those of the wave pairs of an axis.
     #[inline(always)]
     pub(crate) fn elastic_layer<const P: usize>(
         components: &[ElasticComponent<N>; MAX_PAIRS],
     ) -> ElasticLayer<N, P> {
-        let mut own = [components[0]; P];
-        own.copy_from_slice(&components[..P]);
-        ElasticLayer { components: own }
+        let mut pair_components = [components[0]; P];
+        pair_components.copy_from_slice(&components[..P]);
+        ElasticLayer { components: pair_components }
     }
 }
 
 impl<N: Number, const P: usize> FaceLaw<N, P> for InterlayerLaw<N> {
-    const HISTORY_VARIABLES: usize = MAX_HISTORY_VARIABLES;
+    const HISTORY_VARIABLE_COUNT: usize = MAX_HISTORY_VARIABLES;
 
     fn initialise(&self, velocities: &[[N; 2]; P], history: &mut [N]) {
         match self {
@@ -139,9 +139,9 @@ impl<N: Number, const P: usize> FaceLaw<N, P> for InterlayerLaw<N> {
                     return [[FaceState { velocity: N::ZERO, stress: N::ZERO }; 2]; P];
                 }
                 let components = [incoming[*normal], incoming[1 - normal]];
-                let moved = law.advance(&components, interval, history);
-                let mut states = [moved[0]; P];
-                states[1 - normal] = moved[1];
+                let face_states = law.advance(&components, interval, history);
+                let mut states = [face_states[0]; P];
+                states[1 - normal] = face_states[1];
                 states
             }
         }
@@ -172,12 +172,12 @@ pub struct InterlayerPlane {
     /// Coordinate along the axis of the cells above the faces. 0 on a periodic axis only; on other axes the blocks at
     /// both ends have at least three cells.
     pub cell: usize,
-    /// Laws of the faces.
+    /// Law of each face of the plane.
     pub laws: PlaneLaws,
 }
 
 impl InterlayerPlane {
-    /// Returns the law of a face.
+    /// Returns the index of the law of a face of the plane; `None` at a face without interlayer.
     pub(crate) fn law(&self, face: usize) -> Option<u16> {
         match &self.laws {
             PlaneLaws::Uniform(law) => Some(*law),
@@ -193,7 +193,7 @@ impl InterlayerPlane {
 pub struct Interlayers {
     /// Axis normal to the faces.
     pub axis: usize,
-    /// Laws, by index.
+    /// Laws to which the planes refer by index.
     pub laws: Vec<InterlayerLaw<f64>>,
     /// Planes in ascending order of their coordinates.
     pub planes: Vec<InterlayerPlane>,
@@ -203,7 +203,7 @@ pub struct Interlayers {
 }
 
 impl Interlayers {
-    /// Interlayers of one law between blocks of equal length, at the lower faces of cells `offset`,
+    /// Creates interlayers of one law between blocks of equal length, at the lower faces of cells `offset`,
     /// `offset + block_cells`, … of `cells` cells along the axis.
     pub fn new_regular(
         axis: usize,
@@ -216,7 +216,7 @@ impl Interlayers {
         Self { axis, laws: vec![law], planes: planes.map(plane).collect(), has_open_ends: false }
     }
 
-    /// Returns the interlayers at a coordinate.
+    /// Returns the plane of interlayers at the lower faces of the cells with coordinate `cell`; `None` without such.
     pub(crate) fn plane(&self, cell: usize) -> Option<&InterlayerPlane> {
         let index = self.planes.binary_search_by_key(&cell, |plane| plane.cell).ok()?;
         self.planes.get(index)
@@ -283,6 +283,7 @@ impl Interlayers {
     }
 }
 
+/// Computes the greatest common divisor by Euclid's algorithm.
 fn greatest_common_divisor(one: usize, other: usize) -> usize {
     if other == 0 { one } else { greatest_common_divisor(other, one % other) }
 }
@@ -336,7 +337,7 @@ pub(crate) fn face_energy(
     with_pair_count!(pairs, P => FaceLaw::<f64, P>::energy(law, history))
 }
 
-/// A face with an interlayer.
+/// Face with an interlayer: its position, its law, and the range of its history variables.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InterlayerFace {
     /// Axis normal to the face.
@@ -345,7 +346,7 @@ pub struct InterlayerFace {
     pub cell: usize,
     /// Index of the law among those of the axis.
     pub law: usize,
-    /// Range of the history variables of the face.
+    /// Range of the history variables of the face in the list of those of all faces.
     pub history: Range<usize>,
 }
 
@@ -357,12 +358,12 @@ impl<const D: usize> Problem<D> {
         let (mut faces, mut end) = (Vec::new(), 0);
         let across: [_; D] = std::array::from_fn(|axis| self.interlayers_across(axis));
         for start in (0..grid.count()).step_by(layer.max(1)) {
-            for (axis, own) in across.iter().enumerate() {
-                let Some(own) = own else { continue };
-                let variables = own.history_variables(self.media[0].pairs[axis].len());
+            for (axis, interlayers) in across.iter().enumerate() {
+                let Some(interlayers) = interlayers else { continue };
+                let variables = interlayers.history_variables(self.media[0].pairs[axis].len());
                 let stride: usize = grid.cells[..axis].iter().product();
                 for cell in start..start + layer {
-                    let plane = own.plane(cell / stride % grid.cells[axis]);
+                    let plane = interlayers.plane(cell / stride % grid.cells[axis]);
                     let law =
                         plane.and_then(|plane| plane.law(face_in_plane(&grid.cells, axis, cell)));
                     let Some(law) = law else { continue };
@@ -382,11 +383,11 @@ impl<const D: usize> Problem<D> {
         history: &[T],
     ) -> Vec<(InterlayerFace, FaceRecord<f64>)> {
         let record = |face: InterlayerFace| {
-            let own = self.interlayers_across(face.axis)?;
-            let InterlayerLaw::Plane(law, _) = own.laws.get(face.law)? else { return None };
+            let interlayers = self.interlayers_across(face.axis)?;
+            let InterlayerLaw::Plane(law, _) = interlayers.laws.get(face.law)? else { return None };
             let values = history.get(face.history.clone())?;
             let values: Vec<f64> = values.iter().map(|value| value.to_f64()).collect();
-            let record = law.record(&values);
+            let record = law.to_face_record(&values);
             Some((face, record))
         };
         self.interlayer_faces().into_iter().filter_map(record).collect()

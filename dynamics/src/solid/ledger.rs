@@ -11,20 +11,20 @@ use models::interface::FaceEnergy;
 /// residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
-    /// Work done at the boundaries, positive inwards.
+    /// Work done at the boundaries, J, positive inwards.
     pub boundary_work: f64,
-    /// Work of sources and gravity.
+    /// Work of sources and gravity, J.
     pub source_work: f64,
-    /// Work of the initial stress on plastic strain.
+    /// Work of the initial stress on plastic strain, J.
     pub initial_stress_work: f64,
-    /// Plastic dissipation.
+    /// Plastic dissipation in cells, J.
     pub plastic_dissipation: f64,
-    /// Dissipation of dashpots.
+    /// Dissipation of the dashpots of relaxing media, J.
     pub viscous_dissipation: f64,
-    /// Dissipation of interlayers.
+    /// Energy dissipated by interlayers, by cause, J.
     pub interlayer_losses: InterlayerLosses,
-    /// Numerical dissipation; see [`SweepAccount`](crate::solid::line::SweepAccount). The fused solver does not compute
-    /// it: its ledger has zero here, and the balance lacks this term.
+    /// Numerical dissipation, J; see [`SweepAccount`](crate::solid::line::SweepAccount). The fused solver does not
+    /// compute it: its ledger has zero here, and the balance lacks this term.
     pub numerical_dissipation: f64,
     /// Smallest ratio, over all cells and steps, of the plastic dissipation of a cell in a step to the energy stored by
     /// its trial stress, if negative, else 0; negative values are rounding errors.
@@ -45,15 +45,15 @@ impl Ledger {
 /// Energy that interlayers have dissipated, J; see [`FaceEnergy`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InterlayerLosses {
-    /// Plastic dissipation: slip, and opening of elastic-plastic layers.
+    /// Plastic dissipation, J: slip, and opening of elastic-plastic layers.
     pub plastic: f64,
-    /// Viscous dissipation.
+    /// Viscous dissipation of interlayers, J.
     pub viscous: f64,
-    /// Stored shear energy released by cracks that opened.
+    /// Stored shear energy released by cracks that opened, J.
     pub released: f64,
-    /// Stored energy lost at fracture.
+    /// Stored energy lost at fracture, J.
     pub fracture: f64,
-    /// Numerical dissipation of the flow along saturated layers.
+    /// Numerical dissipation of the flow of the fluid along saturated layers, J.
     pub fluid: f64,
 }
 
@@ -67,17 +67,17 @@ impl InterlayerLosses {
 /// Energy of the deviation from the initial stress, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Kinetic energy of velocities and spins.
+    /// Kinetic energy of velocities and spins of cells, J.
     pub kinetic: f64,
-    /// Energy of stresses and history variables.
+    /// Energy stored by stresses and history variables of cells, J.
     pub stored: f64,
-    /// Kinetic energy of interlayers.
+    /// Kinetic energy of interlayers, J.
     pub interlayer_kinetic: f64,
-    /// Stored energy of interlayers.
+    /// Stored energy of interlayers, J.
     pub interlayer_stored: f64,
-    /// Kinetic energy of the fluid in interlayers.
+    /// Kinetic energy of the fluid in interlayers, J.
     pub fluid_kinetic: f64,
-    /// Energy stored by the pressure of the fluid in interlayers.
+    /// Energy stored by the pressure of the fluid in interlayers, J.
     pub fluid_stored: f64,
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct EnergySums {
     /// Sum of kinetic energy densities, J/m³; likewise `stored`.
     pub(crate) kinetic: ExactSum,
     pub(crate) stored: ExactSum,
-    /// Energies of interlayers.
+    /// Sums of the energies of interlayers, J.
     pub(crate) interlayers: InterlayerSums,
 }
 
@@ -114,10 +114,10 @@ impl InterlayerSums {
             energy.stored,
             energy.fluid_kinetic,
             energy.fluid_stored,
-            energy.plastic,
-            energy.viscous,
-            energy.released,
-            energy.fracture,
+            energy.plastic_dissipation,
+            energy.viscous_dissipation,
+            energy.released_energy,
+            energy.fracture_energy,
             energy.fluid_dissipation,
         ];
         for (sum, term) in self.0.iter_mut().zip(terms) {
@@ -129,7 +129,7 @@ impl InterlayerSums {
         self.0.iter_mut().zip(&other.0).for_each(|(own, other)| own.merge(other));
     }
 
-    /// Returns the dissipated energies.
+    /// Returns the energies dissipated by interlayers, J.
     fn losses(&self) -> InterlayerLosses {
         let [.., plastic, viscous, released, fracture, fluid] =
             self.0.each_ref().map(ExactSum::to_f64);
@@ -216,11 +216,11 @@ pub type WorkPartialSums = [Vec<f64>; 4];
 /// need it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellDissipation {
-    /// Plastic dissipation.
+    /// Plastic dissipation, J/m³.
     pub(crate) plastic_dissipation: Vec<f64>,
-    /// Work of the initial stress on plastic strain.
+    /// Work of the initial stress on plastic strain, J/m³.
     pub(crate) initial_stress_work: Vec<f64>,
-    /// Dissipation of dashpots.
+    /// Dissipation of the dashpots of relaxing media, J/m³.
     pub(crate) viscous_dissipation: Vec<f64>,
 }
 
@@ -271,8 +271,8 @@ impl LedgerSums {
     /// Adds the sums of another subdomain.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.work.merge(&other.work);
-        let both = self.dissipation.iter_mut().zip(&other.dissipation);
-        both.for_each(|(own, other)| own.merge(other));
+        let sums = self.dissipation.iter_mut().zip(&other.dissipation);
+        sums.for_each(|(own, other)| own.merge(other));
         self.interlayers.merge(&other.interlayers);
     }
 

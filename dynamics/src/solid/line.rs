@@ -42,7 +42,7 @@ pub struct SweepAccount {
     pub dissipation: f64,
 }
 
-/// Sums accounts over cells.
+/// Sum of the accounts of several cells.
 impl<'a> std::iter::Sum<&'a Self> for SweepAccount {
     fn sum<I: Iterator<Item = &'a Self>>(accounts: I) -> Self {
         accounts.fold(Self::default(), |sum, own| Self {
@@ -61,14 +61,17 @@ pub(super) fn face_values<T: Real>(
     slopes: Slopes,
 ) -> [T; 2] {
     let [first, left, right, _] = cells;
-    let in_front = [states[0], states[1], states[2]];
-    let carried_invariants =
-        slopes.carried_invariants(in_front, [first, left, right], [continuity[0], continuity[1]]);
-    let around = [states[1], states[2], states[3]];
-    slopes.face_values_in_mixed_media(carried_invariants, around, cells, Some(continuity)).0
+    let left_stencil = [states[0], states[1], states[2]];
+    let carried_invariants = slopes.carried_invariants(
+        left_stencil,
+        [first, left, right],
+        [continuity[0], continuity[1]],
+    );
+    let right_stencil = [states[1], states[2], states[3]];
+    slopes.face_values_in_mixed_media(carried_invariants, right_stencil, cells, Some(continuity)).0
 }
 
-/// Computes the interface states of a face for its left and its right cell, from the four cells around it.
+/// Computes the interface states of a face for its left and its right cell, from the two cells on either side.
 fn solve_face<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
@@ -125,32 +128,33 @@ pub(super) fn advance<T: Real>(
         return;
     }
     let (first, end) = (GHOSTS, length - GHOSTS);
-    let state = |velocity: &[T], stress: &[T], place: usize| State {
-        velocity: velocity[place],
-        stress: stress[place],
+    let state = |velocity: &[T], stress: &[T], index: usize| State {
+        velocity: velocity[index],
+        stress: stress[index],
     };
-    // Evaluates the lower face of cell `place` from the states before the step.
-    let mut lower_face_of = |states: [State<T>; 4], place: usize| {
-        let around = std::array::from_fn(|i| &cells[place - 2 + i]);
-        at_face(states, around, place)
+    // Evaluates the lower face of cell `index` from the states before the step.
+    let mut lower_face_of = |states: [State<T>; 4], index: usize| {
+        let stencil = std::array::from_fn(|i| &cells[index - 2 + i]);
+        at_face(states, stencil, index)
     };
-    let mut around: [State<T>; 4] = std::array::from_fn(|i| state(velocity, stress, first - 2 + i));
-    let mut left = lower_face_of(around, first);
-    for place in first..end {
-        let own = around[2];
-        around = [around[1], own, around[3], state(velocity, stress, place + 2)];
-        let right = lower_face_of(around, place + 1);
-        let moved = update_cell(own, [left[1], right[0]], &cells[place]);
-        (velocity[place], stress[place]) = (moved.velocity, moved.stress);
-        if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(place - first)) {
-            if place == first {
-                account.boundary_work -= face_power(&left[1], &cells[place]);
+    let mut stencil: [State<T>; 4] =
+        std::array::from_fn(|i| state(velocity, stress, first - 2 + i));
+    let mut left = lower_face_of(stencil, first);
+    for index in first..end {
+        let cell_state = stencil[2];
+        stencil = [stencil[1], cell_state, stencil[3], state(velocity, stress, index + 2)];
+        let right = lower_face_of(stencil, index + 1);
+        let updated = update_cell(cell_state, [left[1], right[0]], &cells[index]);
+        (velocity[index], stress[index]) = (updated.velocity, updated.stress);
+        if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(index - first)) {
+            if index == first {
+                account.boundary_work -= face_power(&left[1], &cells[index]);
             }
-            if place + 1 == end {
-                account.boundary_work += face_power(&right[0], &cells[place]);
+            if index + 1 == end {
+                account.boundary_work += face_power(&right[0], &cells[index]);
             }
             account.dissipation +=
-                cell_dissipation([own, moved], [&left[1], &right[0]], &cells[place]);
+                cell_dissipation([cell_state, updated], [&left[1], &right[0]], &cells[index]);
         }
         left = right;
     }

@@ -17,7 +17,7 @@ pub struct Medium {
     pub pairs: Vec<Vec<VelocityStressPair>>,
     /// Rotation that couples spins and antisymmetric stress.
     pub rotation: Option<SpinRotation>,
-    /// Elastic law: stress and energy.
+    /// Elastic law: relates stress, strain and stored energy.
     pub law: ElasticLaw,
     /// Relaxation of the stress deviator; the other constants of the medium are then those of the unrelaxed solid.
     pub relaxation: Option<StandardLinearSolid>,
@@ -75,8 +75,8 @@ impl Medium {
 
     /// Returns the inertia of a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for all other fields.
     pub fn inertia(&self, field: SolidField) -> f64 {
-        let own = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
-        match (own, field) {
+        let wave_pair = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
+        match (wave_pair, field) {
             (Some(pair), _) => pair.inertia,
             // A spin without couple stress has no wave pair.
             (None, SolidField::Spin(_)) => self.law.inertia(),
@@ -133,9 +133,9 @@ pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64
 /// coefficient per term; coefficients of stresses follow from the stored energy of one and of two unit components.
 /// Products of two stresses are omitted if their coefficient is only rounding.
 fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f64)> {
-    let stress = |places: &[usize]| {
+    let stress = |indices: &[usize]| {
         let mut stress = Stress::default();
-        for &place in places {
+        for &place in indices {
             match fields[place] {
                 SolidField::Stress(i, j) => {
                     stress.force[i][j] = 1.0;
@@ -152,17 +152,17 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
     let mut terms = Vec::new();
     for (one, &field) in fields.iter().enumerate() {
         if let SolidField::ViscousStrain(i, j) = field {
-            let modulus = medium.relaxation.map_or(0.0, |own| own.viscous_strain_modulus());
+            let modulus = medium.relaxation.map_or(0.0, |solid| solid.viscous_strain_modulus());
             // One field represents both off-diagonal components.
             terms.push((one, one, if i == j { modulus } else { 2.0 * modulus }));
             continue;
         }
         let inertia = medium.inertia(field);
-        let own = if inertia > 0.0 { 0.5 * inertia } else { stress(&[one]) };
-        terms.push((one, one, own));
+        let square_coefficient = if inertia > 0.0 { 0.5 * inertia } else { stress(&[one]) };
+        terms.push((one, one, square_coefficient));
         for other in 0..one {
-            let product = stress(&[one, other]) - own - stress(&[other]);
-            if inertia == 0.0 && product.abs() > 1e-14 * own {
+            let product = stress(&[one, other]) - square_coefficient - stress(&[other]);
+            if inertia == 0.0 && product.abs() > 1e-14 * square_coefficient {
                 terms.push((one, other, product));
             }
         }
@@ -185,7 +185,7 @@ pub(crate) fn energy_terms_by_medium(
         }
     }
     // Velocities and spins are the first fields.
-    let is_kinetic = |places: &&[usize; 2]| media[0].inertia(fields[places[0]]) > 0.0;
+    let is_kinetic = |indices: &&[usize; 2]| media[0].inertia(fields[indices[0]]) > 0.0;
     let kinetic = terms.keys().filter(is_kinetic).count();
     (terms, kinetic)
 }

@@ -65,7 +65,7 @@ impl Metric {
 /// where Cq is the stress of the strain q. With Ω² = q·Cq/m this is a rotation by the angle κΩt over a time t.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CurvatureRotation {
-    /// Field index of v.
+    /// Field index of the velocity or spin v.
     pub(crate) velocity: usize,
     /// Field indices of stresses, and entries of q.
     pub(crate) weights: Vec<(usize, f64)>,
@@ -83,7 +83,7 @@ impl CurvatureRotation {
     /// faces normal to that axis act on the other velocity.
     pub(crate) fn from_medium(medium: &Medium) -> Vec<Self> {
         let [across, along] = [0, 1].map(|axis| &medium.pairs[axis]);
-        let place = |field: SolidField| medium.fields.iter().position(|own| *own == field);
+        let field_index = |field: SolidField| medium.fields.iter().position(|own| *own == field);
         let plane = |pair: &models::solid::waves::VelocityStressPair| {
             let mut weights = vec![(pair.stress, 0.5)];
             let rotated_velocity = match pair.velocity {
@@ -97,25 +97,26 @@ impl CurvatureRotation {
             }
             let mut merged: Vec<(usize, f64)> = Vec::new();
             for (field, weight) in weights {
-                let place = place(field)?;
-                match merged.iter_mut().find(|own| own.0 == place) {
+                let index = field_index(field)?;
+                match merged.iter_mut().find(|own| own.0 == index) {
                     Some(own) => own.1 += weight,
-                    None => merged.push((place, weight)),
+                    None => merged.push((index, weight)),
                 }
             }
             let mut moduli = vec![0.0; medium.fields.len()];
             for &(index, weight) in &merged {
                 let pairs = || across.iter().chain(along);
-                let own = pairs().find(|own| own.stress == medium.fields[index])?;
-                moduli[index] += weight * own.modulus;
-                for (passive, ratio) in &own.passive_stresses {
-                    moduli[place(*passive)?] += weight * ratio * own.modulus;
+                let stress_pair =
+                    pairs().find(|stress_pair| stress_pair.stress == medium.fields[index])?;
+                moduli[index] += weight * stress_pair.modulus;
+                for (passive, ratio) in &stress_pair.passive_stresses {
+                    moduli[field_index(*passive)?] += weight * ratio * stress_pair.modulus;
                 }
             }
             let stiffness: f64 = merged.iter().map(|&(index, weight)| weight * moduli[index]).sum();
             let moduli = moduli.into_iter().enumerate().filter(|(_, value)| *value != 0.0);
             Some(Self {
-                velocity: place(pair.velocity)?,
+                velocity: field_index(pair.velocity)?,
                 weights: merged,
                 moduli: moduli.collect(),
                 inertia: pair.inertia,
@@ -125,9 +126,9 @@ impl CurvatureRotation {
         along.iter().filter_map(plane).collect()
     }
 
-    /// Returns the entry of Cq for the field with index `place`; 0 if there is none.
-    pub(crate) fn modulus(&self, place: usize) -> f64 {
-        self.moduli.iter().find(|own| own.0 == place).map_or(0.0, |own| own.1)
+    /// Returns the entry of Cq for a field, given by its index, Pa or N; 0 if there is none.
+    pub(crate) fn modulus(&self, index: usize) -> f64 {
+        self.moduli.iter().find(|own| own.0 == index).map_or(0.0, |own| own.1)
     }
 
     /// Computes the rotation coefficients for a curvature κ, 1/m, and a time t, s: cos φ, sin φ/(mΩ), sin φ/Ω and (1 −

@@ -30,14 +30,14 @@ const SPLINE_HALF_WIDTH: isize = 3;
 /// Distance from a plane, in cells, below which a point counts as on it.
 const PLANE_TOLERANCE: f64 = 1e-6;
 
-/// Continuation beyond an end of an axis.
+/// Continuation of the grid at an end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisEnd {
     /// Symmetry or antisymmetry plane: mirror image, multiplied by this sign.
     Mirror(f64),
     /// Open: nothing, or another solid, beyond the end.
     Open,
-    /// Periodic.
+    /// Periodic: the grid continues at the opposite end of the axis.
     Periodic,
 }
 
@@ -62,7 +62,7 @@ type BellPosition = (Vec<f64>, Option<(usize, f64)>);
 pub struct PointPosition {
     /// Number of cells of the grid along the axis.
     pub cells: usize,
-    /// Continuation beyond the lower and the upper end.
+    /// Continuation of the grid at the lower and the upper end.
     pub ends: [AxisEnd; 2],
     /// Coordinate of the point, in cells from the centre of the first cell.
     pub x: f64,
@@ -213,17 +213,20 @@ fn nearest_cell(along: &[PointPosition]) -> usize {
 
 /// Computes the tensor product of the spline kernels.
 fn spline_product(along: &[PointPosition]) -> Vec<(usize, f64)> {
-    let mut all = vec![(0, 1.0)];
+    let mut products = vec![(0, 1.0)];
     for axis in along.iter().rev() {
-        let own = axis.axis_shares();
+        let axis_shares = axis.axis_shares();
         let next = |(cell, share): &(usize, f64)| {
             let (cell, share) = (cell * axis.cells, *share);
-            own.iter().map(move |(index, own)| (cell + index, share * own)).collect::<Vec<_>>()
+            axis_shares
+                .iter()
+                .map(move |(index, own)| (cell + index, share * own))
+                .collect::<Vec<_>>()
         };
-        all = all.iter().flat_map(next).collect();
+        products = products.iter().flat_map(next).collect();
     }
-    all.sort_by_key(|own| own.0);
-    all
+    products.sort_by_key(|own| own.0);
+    products
 }
 
 /// Computes the normalised shares of a raised cosine of radius `radius`, m; unless it is cut off, or `radius` is less
@@ -231,11 +234,11 @@ fn spline_product(along: &[PointPosition]) -> Vec<(usize, f64)> {
 /// nearest cell has the share 1.
 fn compute_bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     // Offsets from the point, m, with cell and sign factor, by position.
-    let mut places: Vec<BellPosition> = vec![(Vec::new(), Some((0, 1.0)))];
+    let mut positions: Vec<BellPosition> = vec![(Vec::new(), Some((0, 1.0)))];
     for (axis, h) in along.iter().zip(spacing).rev() {
         let reach = radius / h;
         let range = (axis.x - reach).ceil() as isize..=(axis.x + reach).floor() as isize;
-        places = places
+        positions = positions
             .iter()
             .flat_map(|position| range.clone().map(move |place| (position, place)))
             .map(|((offsets, cell), place)| {
@@ -250,25 +253,28 @@ fn compute_bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) ->
             .collect();
     }
     let mut is_whole = true;
-    let mut all: Vec<(Vec<f64>, usize, f64, f64)> = Vec::new();
-    for (offsets, cell) in places {
+    let mut weighted_cells: Vec<(Vec<f64>, usize, f64, f64)> = Vec::new();
+    for (offsets, cell) in positions {
         let share =
             raised_cosine(offsets.iter().fold(0.0, |sum: f64, x| sum.root_sum_square(*x)), radius);
         match cell {
-            Some((cell, factor)) if share > 0.0 => all.push((offsets, cell, factor, share)),
+            Some((cell, factor)) if share > 0.0 => {
+                weighted_cells.push((offsets, cell, factor, share))
+            }
             None if share > 0.0 => is_whole = false,
             _ => {}
         }
     }
-    if all.is_empty() {
+    if weighted_cells.is_empty() {
         return vec![(nearest_cell(along), 1.0)];
     }
-    let sum: f64 = all.iter().map(|own| own.3).sum();
-    all.iter_mut().for_each(|own| own.3 /= sum);
+    let sum: f64 = weighted_cells.iter().map(|own| own.3).sum();
+    weighted_cells.iter_mut().for_each(|own| own.3 /= sum);
     if is_whole && spacing.iter().all(|h| radius >= 2.0 * h) {
-        centre_shares(&mut all);
+        centre_shares(&mut weighted_cells);
     }
-    let mut shares: Vec<(usize, f64)> = all.iter().map(|own| (own.1, own.2 * own.3)).collect();
+    let mut shares: Vec<(usize, f64)> =
+        weighted_cells.iter().map(|own| (own.1, own.2 * own.3)).collect();
     shares.sort_by_key(|own| own.0);
     // Merge the contributions of a cell and its mirror images.
     let mut merged: Vec<(usize, f64)> = Vec::new();
@@ -339,8 +345,8 @@ mod tests {
                     assert!(moment(&open, x, 1).abs() < 1e-11, "{x}: {open:?}");
                 }
                 for ends in [AxisEnd::Mirror(1.0), AxisEnd::Periodic] {
-                    let own = point_position(cells, [ends; 2], x).axis_shares();
-                    assert!((moment(&own, x, 0) - 1.0).abs() < 1e-12, "{x}: {own:?}");
+                    let shares = point_position(cells, [ends; 2], x).axis_shares();
+                    assert!((moment(&shares, x, 0) - 1.0).abs() < 1e-12, "{x}: {shares:?}");
                 }
             }
         }
@@ -360,13 +366,15 @@ mod tests {
     #[test]
     fn bell_shares_have_unit_sum_and_centre_of_mass_at_the_point() {
         for step in 0..50 {
-            let at = [7.0 + 0.02 * f64::from(step), 8.3];
-            let along = at.map(|x| point_position(20, [AxisEnd::Open; 2], x));
+            let position = [7.0 + 0.02 * f64::from(step), 8.3];
+            let along = position.map(|x| point_position(20, [AxisEnd::Open; 2], x));
             let shares = compute_bell_shares(&along, &[0.5, 0.25], 1.1);
             let sum: f64 = shares.iter().map(|own| own.1).sum();
             assert!((sum - 1.0).abs() < 1e-13);
-            let first: f64 = shares.iter().map(|own| own.1 * ((own.0 % 20) as f64 - at[0])).sum();
-            let second: f64 = shares.iter().map(|own| own.1 * ((own.0 / 20) as f64 - at[1])).sum();
+            let first: f64 =
+                shares.iter().map(|own| own.1 * ((own.0 % 20) as f64 - position[0])).sum();
+            let second: f64 =
+                shares.iter().map(|own| own.1 * ((own.0 / 20) as f64 - position[1])).sum();
             assert!(first.abs() < 1e-13 && second.abs() < 1e-13, "{first:e} {second:e}");
             let cut = [-0.3, 8.3].map(|x| point_position(20, [AxisEnd::Open; 2], x));
             let sum: f64 =

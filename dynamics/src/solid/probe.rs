@@ -14,7 +14,7 @@ const MAX_STENCIL_CELLS: usize = 4;
 /// Distance from a cell centre, in cells, below which a point counts as at the centre.
 const CENTRE_TOLERANCE: f64 = 1e-9;
 
-/// Interpolation stencil of a point.
+/// Probe at a point: the cells and weights of its interpolation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// Cells (first axis fastest) and their weights, which add up to 1.
@@ -71,16 +71,16 @@ fn admissible_runs(
 /// Computes the Lagrange weights of the cells of a run for the coordinate `x`, in cells from the centre of the first
 /// cell of the axis.
 fn lagrange_weights(run: &CellRun, x: f64) -> Vec<f64> {
-    let places: Vec<f64> =
+    let positions: Vec<f64> =
         (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
     if run.missing_cells == 0 && run.count == 1 {
         return vec![1.0];
     }
     let weight = |own: &f64| {
-        let others = places.iter().filter(|other| *other != own);
+        let others = positions.iter().filter(|other| *other != own);
         others.map(|other| (x - other) / (own - other)).product()
     };
-    places.iter().map(weight).collect()
+    positions.iter().map(weight).collect()
 }
 
 /// Wraps an index along a periodic axis.
@@ -90,10 +90,10 @@ fn wrap_index(place: isize, cells: usize) -> usize {
 
 /// Lists the cells of the tensor product of runs (first axis fastest) in a grid of `cells` cells.
 fn box_cells(cells: &[usize], runs: &[CellRun]) -> Vec<usize> {
-    let mut all = vec![0];
+    let mut indices = vec![0];
     for (axis, run) in runs.iter().enumerate().rev() {
         let count = cells[axis];
-        all = all
+        indices = indices
             .iter()
             .flat_map(|cell| {
                 (0..run.count)
@@ -101,16 +101,16 @@ fn box_cells(cells: &[usize], runs: &[CellRun]) -> Vec<usize> {
             })
             .collect();
     }
-    all
+    indices
 }
 
 /// Selects the best tensor product of runs with cells of one medium: highest minimum polynomial degree, then highest
 /// sum of degrees (the degree along an axis on whose cell centre the point lies counts as the maximum), then smallest
-/// sum of the distances of the run centres from the point. `along`: admissible runs by axis; `is_alike`: whether all
-/// cells are of one medium. `None` if there is no such product.
+/// sum of the distances of the run centres from the point. `along`: admissible runs by axis; `has_one_medium`: whether
+/// all cells are of one medium. `None` if there is no such product.
 fn select_box(
     along: &[Vec<CellRun>],
-    is_alike: impl Fn(&[CellRun]) -> bool,
+    has_one_medium: impl Fn(&[CellRun]) -> bool,
 ) -> Option<Vec<CellRun>> {
     let mut boxes: Vec<Vec<CellRun>> = vec![Vec::new()];
     for runs in along {
@@ -128,7 +128,7 @@ fn select_box(
         let (one, other) = (rank(one), rank(other));
         (one.0, one.1).cmp(&(other.0, other.1)).then(one.2.total_cmp(&other.2))
     });
-    boxes.into_iter().find(|own| is_alike(own))
+    boxes.into_iter().find(|own| has_one_medium(own))
 }
 
 impl Probe {
@@ -146,28 +146,30 @@ impl Probe {
         containing_cell: usize,
         at: &[f64],
     ) -> Self {
-        let mut rest = containing_cell;
+        let mut remaining_index = containing_cell;
         let along: Vec<Vec<CellRun>> = (0..cells.len())
             .map(|axis| {
-                let index = rest % cells[axis];
-                rest /= cells[axis];
+                let index = remaining_index % cells[axis];
+                remaining_index /= cells[axis];
                 admissible_runs(cells[axis], is_periodic[axis], index, at[axis])
             })
             .collect();
-        let is_alike = |runs: &[CellRun]| {
+        let has_one_medium = |runs: &[CellRun]| {
             box_cells(cells, runs)
                 .into_iter()
                 .all(|cell| cell_media[cell] == cell_media[containing_cell])
         };
         // The product of runs of one cell always qualifies.
-        let Some(runs) = select_box(&along, is_alike) else {
+        let Some(runs) = select_box(&along, has_one_medium) else {
             return Self::from_cell(containing_cell);
         };
         let mut products = vec![1.0];
         for (run, x) in runs.iter().zip(at).rev() {
-            let own = lagrange_weights(run, *x);
-            products =
-                products.iter().flat_map(|all| own.iter().map(move |own| all * own)).collect();
+            let weights = lagrange_weights(run, *x);
+            products = products
+                .iter()
+                .flat_map(|product| weights.iter().map(move |weight| product * weight))
+                .collect();
         }
         Self {
             stencil: box_cells(cells, &runs).into_iter().zip(products).collect(),

@@ -69,18 +69,18 @@ pub enum Splitting {
 /// Limits of a pass of the fused solver over memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassLimits {
-    /// Cells of the halo along the first axis beyond those for each step.
+    /// Width of the halo along the first axis in addition to that for each step, cells.
     pub first_axis_halo: usize,
     /// Largest number of steps of a pass.
     pub max_steps: usize,
 }
 
-/// Numerical scheme.
+/// Numerical scheme: reconstruction, return mapping and splitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
-    /// Reconstruction.
+    /// Reconstruction of the waves at faces: slopes in cells, and limiter.
     pub slopes: Slopes,
-    /// Position of the return mapping.
+    /// Position of the return mapping in a step.
     pub plastic_step: PlasticStep,
     /// Order of the sweeps. [`PlasticStep::MidpointReflection`] requires a step with a middle between sweeps and
     /// therefore always uses [`Splitting::TwoCyclic`].
@@ -88,7 +88,7 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// A scheme with two-cyclic splitting.
+    /// Creates a scheme with two-cyclic splitting.
     pub fn new(slopes: Slopes, plastic_step: PlasticStep) -> Self {
         Self { slopes, plastic_step, splitting: Splitting::TwoCyclic }
     }
@@ -109,10 +109,10 @@ impl Scheme {
     }
 }
 
-/// Problem definition of a solid.
+/// Problem definition of a solid, from which a solver is created.
 #[derive(Clone)]
 pub struct Problem<const D: usize> {
-    /// Grid.
+    /// Grid of the cells.
     pub grid: Grid<D>,
     /// Media, all with the same fields except history variables.
     pub media: Vec<Medium>,
@@ -122,11 +122,11 @@ pub struct Problem<const D: usize> {
     pub boundaries: [[Boundary; 2]; D],
     /// Time step Δt, s.
     pub step: f64,
-    /// Numerical scheme.
+    /// Numerical scheme of the solver.
     pub scheme: Scheme,
     /// Time-dependent loads on boundaries.
     pub loads: Vec<Load>,
-    /// Sources in the interior.
+    /// Sources in the interior: forces, couples and moments.
     pub sources: Vec<Source>,
     /// Uniform acceleration (gravity), m/s².
     pub acceleration: [f64; D],
@@ -141,7 +141,7 @@ pub struct Problem<const D: usize> {
 }
 
 impl<const D: usize> Problem<D> {
-    /// A problem without loads, sources, acceleration, initial stress, time integrals, interlayers and metric.
+    /// Creates a problem without loads, sources, acceleration, initial stress, time integrals, interlayers and metric.
     pub fn new(
         grid: Grid<D>,
         media: Vec<Medium>,
@@ -193,7 +193,7 @@ impl<const D: usize> Problem<D> {
         fields
     }
 
-    /// Checks the problem.
+    /// Checks that all parts of the problem are consistent, and the stability limit of the time step.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -326,7 +326,7 @@ impl<const D: usize> Problem<D> {
         self.interlayers.iter().any(|own| own.axis + axis == 1 && own.has_open_ends)
     }
 
-    /// Returns what the passes of the fused solver need.
+    /// Returns the halo width and the number of steps to which passes of the fused solver are limited.
     pub fn pass_limits(&self) -> PassLimits {
         // With alternating sweeps, output requires one more sweep along the first axis, and its stencil more halo
         // cells. Sub-steps of the fluid need as many.
@@ -370,7 +370,7 @@ impl<const D: usize> Problem<D> {
     }
 }
 
-/// An invalid problem.
+/// Error: an invalid problem, or one that does not fit into memory.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DomainError {
     /// The fields, or the dissipation by cell, do not fit into memory.
@@ -387,17 +387,17 @@ pub enum DomainError {
     /// A cell whose medium is not in the list.
     #[error("cell {cell} has medium {medium}, of {count}")]
     UnknownMedium {
-        /// The cell.
+        /// Index of the cell.
         cell: usize,
-        /// Index of its medium.
+        /// Index of the medium of the cell.
         medium: usize,
-        /// Number of media.
+        /// Number of media in the list.
         count: usize,
     },
     /// The number of cells with a medium differs from that of cells of the grid, or the grid has no cells.
     #[error("{actual} cells have a medium, of {expected}")]
     CellCount {
-        /// Number of cells given.
+        /// Number of cells with a medium.
         actual: usize,
         /// Number of cells of the grid.
         expected: usize,
@@ -405,16 +405,16 @@ pub enum DomainError {
     /// A time step beyond the stability limit, or not a number.
     #[error("Courant number {courant} along axis {axis}: at most 1 is stable")]
     Courant {
-        /// The axis, from 0.
+        /// First axis along which sweeps exceed the Courant number 1, from 0.
         axis: usize,
-        /// Courant number c(Δt/2)/h.
+        /// Courant number c(Δt/2)/h of the fastest wave along the axis.
         courant: f64,
     },
     /// The number of conditions differs from that of wave pairs, or the number of conditions by face from that of
     /// faces.
     #[error("axis {axis}: {actual} conditions are given for {expected} pairs of waves")]
     ConditionCount {
-        /// The axis, from 0.
+        /// Axis normal to the boundary, from 0.
         axis: usize,
         /// Number of conditions given; 0 if the number of conditions by face is wrong.
         actual: usize,
@@ -430,12 +430,12 @@ pub enum DomainError {
     /// The number of initial stresses differs from that of layers, or their axis does not exist.
     #[error("an initial stress is needed for every layer across its axis")]
     InitialStress,
-    /// An invalid number of subdomains.
+    /// An invalid number of subdomains along an axis.
     #[error(
         "{actual} parts along axis {axis}: at least 1, and {min_cells} cells in each of several, of {cells}"
     )]
     SubdomainCount {
-        /// The axis, from 0.
+        /// Axis along which the grid is decomposed, from 0.
         axis: usize,
         /// Number of subdomains requested.
         actual: usize,
@@ -447,9 +447,9 @@ pub enum DomainError {
     /// Invalid interlayers.
     #[error("interlayers {index}: {reason}")]
     Interlayers {
-        /// Index in the list.
+        /// Index of the interlayers in the list of the problem.
         index: usize,
-        /// Reason.
+        /// Reason why they are invalid.
         reason: &'static str,
     },
     /// An invalid metric, with the reason.

@@ -1,8 +1,8 @@
-//! Region: a box of cells of a grid, with a halo around it.
+//! Region: a box of cells of a grid, with its halo.
 
 use std::ops::Range;
 
-/// A box of cells of a grid and the halo around it, which holds copies of neighbouring cells.
+/// A box of cells of a grid with its halo, which holds copies of neighbouring cells.
 ///
 /// Along each axis the cells are those of the lower halo, the owned cells, and those of the upper halo, in the order of
 /// the coordinate, which wraps around on periodic axes. Cells are numbered with the first axis fastest.
@@ -14,11 +14,15 @@ pub struct Region<const D: usize> {
 }
 
 impl<const D: usize> Region<D> {
-    /// Creates a region with owned cells `own` in a grid of `whole` cells; `halo`: width at each end of each axis, in
-    /// cells. The width is zero at ends without neighbouring subdomain, except on a periodic last axis.
-    pub(crate) fn new(whole: [usize; D], own: [Range<usize>; D], halo: [[usize; 2]; D]) -> Self {
-        debug_assert!((0..D).all(|axis| own[axis].end <= whole[axis]));
-        Self { grid_cells: whole, owned: own, halo }
+    /// Creates a region with owned cells `owned` in a grid of `grid_cells` cells; `halo`: width at each end of each
+    /// axis, in cells. The width is zero at ends without neighbouring subdomain, except on a periodic last axis.
+    pub(crate) fn new(
+        grid_cells: [usize; D],
+        owned: [Range<usize>; D],
+        halo: [[usize; 2]; D],
+    ) -> Self {
+        debug_assert!((0..D).all(|axis| owned[axis].end <= grid_cells[axis]));
+        Self { grid_cells, owned, halo }
     }
 
     /// Creates the region of a whole grid, without halo.
@@ -42,9 +46,9 @@ impl<const D: usize> Region<D> {
     }
 
     /// Returns whether the region has neighbouring subdomains beyond the lower and the upper end of an axis.
-    pub fn is_cut(&self, axis: usize) -> [bool; 2] {
-        let is_part = self.owned[axis].len() < self.grid_cells[axis];
-        self.halo[axis].map(|width| width > 0 && is_part)
+    pub fn has_neighbours(&self, axis: usize) -> [bool; 2] {
+        let is_divided = self.owned[axis].len() < self.grid_cells[axis];
+        self.halo[axis].map(|width| width > 0 && is_divided)
     }
 
     /// Returns the number of cells along each axis, halo included.
@@ -80,27 +84,28 @@ impl<const D: usize> Region<D> {
 
     /// Returns the index in the whole grid of each owned cell.
     pub fn owned_global_cells(&self) -> Vec<usize> {
-        let own = std::array::from_fn::<_, D, _>(|axis| self.owned_range(axis).collect());
-        linear_indices(&own, &self.grid_cells)
+        let owned_coordinates =
+            std::array::from_fn::<_, D, _>(|axis| self.owned_range(axis).collect());
+        linear_indices(&owned_coordinates, &self.grid_cells)
     }
 
     /// Returns the positions along an axis of the region with a given coordinate in the whole grid: several if a
     /// periodic halo wraps around.
-    fn local_positions(&self, axis: usize, coordinate: usize) -> Vec<usize> {
+    fn region_positions(&self, axis: usize, coordinate: usize) -> Vec<usize> {
         let (whole, halo) = (self.grid_cells[axis], self.halo[axis][0]);
         let first = (self.owned[axis].start + halo * whole - halo) % whole;
-        let place = (coordinate + whole - first) % whole;
-        (place..self.cells()[axis]).step_by(whole).collect()
+        let first_position = (coordinate + whole - first) % whole;
+        (first_position..self.cells()[axis]).step_by(whole).collect()
     }
 
     /// Returns the cells of the region that represent a cell of the whole grid: several if a periodic halo wraps
     /// around.
-    pub(crate) fn local_cells(&self, mut cell: usize) -> Vec<usize> {
+    pub(crate) fn region_cells(&self, mut cell: usize) -> Vec<usize> {
         let along: Vec<_> = (0..D)
             .map(|axis| {
                 let coordinate = cell % self.grid_cells[axis];
                 cell /= self.grid_cells[axis];
-                self.local_positions(axis, coordinate)
+                self.region_positions(axis, coordinate)
             })
             .collect();
         linear_indices(&along, &self.cells())
@@ -108,15 +113,15 @@ impl<const D: usize> Region<D> {
 
     /// Returns the faces of a boundary of the region normal to `axis` that represent a face of the whole grid: several
     /// if a periodic halo wraps around.
-    pub(crate) fn local_faces(&self, axis: usize, mut face: usize) -> Vec<usize> {
-        let others: Vec<usize> = (0..D).filter(|other| *other != axis).collect();
-        let along = others.iter().map(|&other| {
+    pub(crate) fn region_faces(&self, axis: usize, mut face: usize) -> Vec<usize> {
+        let tangential_axes: Vec<usize> = (0..D).filter(|other| *other != axis).collect();
+        let along = tangential_axes.iter().map(|&other| {
             let coordinate = face % self.grid_cells[other];
             face /= self.grid_cells[other];
-            self.local_positions(other, coordinate)
+            self.region_positions(other, coordinate)
         });
         let along: Vec<_> = along.collect();
-        let cells: Vec<usize> = others.iter().map(|&other| self.cells()[other]).collect();
+        let cells: Vec<usize> = tangential_axes.iter().map(|&other| self.cells()[other]).collect();
         linear_indices(&along, &cells)
     }
 
@@ -134,23 +139,23 @@ impl<const D: usize> Region<D> {
     /// Returns the number of a cell among the owned cells, given its index in the whole grid; `None` if it is not
     /// owned.
     pub fn owned_index(&self, cell: usize) -> Option<usize> {
-        let (mut rest, mut number, mut stride) = (cell, 0, 1);
+        let (mut remaining_index, mut number, mut stride) = (cell, 0, 1);
         for (own, whole) in self.owned.iter().zip(self.grid_cells) {
-            let place = rest % whole;
-            if !own.contains(&place) {
+            let coordinate = remaining_index % whole;
+            if !own.contains(&coordinate) {
                 return None;
             }
-            number += (place - own.start) * stride;
-            (rest, stride) = (rest / whole, stride * own.len());
+            number += (coordinate - own.start) * stride;
+            (remaining_index, stride) = (remaining_index / whole, stride * own.len());
         }
-        (rest == 0).then_some(number)
+        (remaining_index == 0).then_some(number)
     }
 
     /// Returns the index in the whole grid of each face of a boundary of the region normal to `axis`.
     pub fn global_faces(&self, axis: usize) -> Vec<usize> {
-        let others = (0..D).filter(|other| *other != axis);
+        let tangential_axes = (0..D).filter(|other| *other != axis);
         let (along, cells): (Vec<_>, Vec<_>) =
-            others.map(|other| (self.coordinates(other), self.grid_cells[other])).unzip();
+            tangential_axes.map(|other| (self.coordinates(other), self.grid_cells[other])).unzip();
         linear_indices(&along, &cells)
     }
 }
@@ -178,12 +183,12 @@ mod tests {
         assert_eq!(region.owned_global_cells(), [8, 9]);
         assert_eq!(region.global_faces(1), [2, 3, 4, 0, 1]);
         assert_eq!(region.global_faces(0), [0, 1, 2]);
-        assert_eq!((region.local_cells(7), region.local_cells(1)), (vec![5], vec![4]));
-        assert_eq!((region.local_faces(1, 0), region.local_faces(0, 2)), (vec![3], vec![2]));
+        assert_eq!((region.region_cells(7), region.region_cells(1)), (vec![5], vec![4]));
+        assert_eq!((region.region_faces(1, 0), region.region_faces(0, 2)), (vec![3], vec![2]));
         // Halo wider than the grid.
         let narrow = Region::new([2], std::array::from_fn(|_| 0..2), [[3, 4]]);
         assert_eq!(narrow.coordinates(0), [1, 0, 1, 0, 1, 0, 1, 0, 1]);
-        assert_eq!(narrow.local_cells(1), [0, 2, 4, 6, 8]);
+        assert_eq!(narrow.region_cells(1), [0, 2, 4, 6, 8]);
     }
 
     #[test]

@@ -25,28 +25,29 @@ impl<const D: usize> Problem<D> {
         if *region == Region::from_grid(self.grid.cells) {
             return Cow::Borrowed(self);
         }
-        let restrict_boundary = |axis: usize, side: &Boundary| match side {
+        let restrict_boundary = |axis: usize, boundary: &Boundary| match boundary {
             Boundary::ByFace(pairs) => {
                 let faces = region.global_faces(axis);
-                let of = |own: &Vec<_>| faces.iter().map(|face| own[*face]).collect();
-                Boundary::ByFace(pairs.iter().map(of).collect())
+                let restrict_conditions =
+                    |own: &Vec<_>| faces.iter().map(|face| own[*face]).collect();
+                Boundary::ByFace(pairs.iter().map(restrict_conditions).collect())
             }
-            _ => side.clone(),
+            _ => boundary.clone(),
         };
-        let load = |own: &Load| {
-            let faces = own.faces.iter();
-            let places = faces.flat_map(|&(face, amplitude)| {
-                let own = region.local_faces(own.axis, face).into_iter();
-                own.map(move |face| (face, amplitude))
+        let load = |load: &Load| {
+            let faces = load.faces.iter();
+            let shares = faces.flat_map(|&(face, amplitude)| {
+                let faces = region.region_faces(load.axis, face).into_iter();
+                faces.map(move |face| (face, amplitude))
             });
-            Load { faces: places.collect(), ..own.clone() }
+            Load { faces: shares.collect(), ..load.clone() }
         };
-        let source = |own: &Source| {
-            let cells = own.cells.iter();
-            let places = cells.flat_map(|&(cell, share)| {
-                region.local_cells(cell).into_iter().map(move |cell| (cell, share))
+        let source = |source: &Source| {
+            let cells = source.cells.iter();
+            let shares = cells.flat_map(|&(cell, share)| {
+                region.region_cells(cell).into_iter().map(move |cell| (cell, share))
             });
-            Source { cells: places.collect(), ..own.clone() }
+            Source { cells: shares.collect(), ..source.clone() }
         };
         let cells = region.global_cells();
         Cow::Owned(Self {

@@ -5,7 +5,7 @@
 use super::cell::CellConstants;
 use crate::simd::{Number, Real, Vector};
 
-/// Velocity and stress of a cell.
+/// Velocity and stress of a wave pair in a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<N> {
     pub(crate) velocity: N,
@@ -124,13 +124,13 @@ impl<N: Number> InterfaceState<N> {
 /// Finite-volume update of a cell from its two interface states.
 #[inline(always)]
 pub(crate) fn update_cell<N: Number>(
-    own: State<N>,
+    state: State<N>,
     [left, right]: [InterfaceState<N>; 2],
     cell: &CellConstants<N>,
 ) -> State<N> {
     State {
-        velocity: own.velocity + cell.velocity_factor * (right.sum - left.sum),
-        stress: own.stress + cell.half_courant * (right.difference - left.difference),
+        velocity: state.velocity + cell.velocity_factor * (right.sum - left.sum),
+        stress: state.stress + cell.half_courant * (right.difference - left.difference),
     }
 }
 

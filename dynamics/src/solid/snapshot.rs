@@ -6,11 +6,11 @@ use crate::solid::ledger::WorkPartialSums;
 /// bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot<T> {
-    /// Number of steps done.
+    /// Number of steps done since time 0.
     pub steps: usize,
     /// Values by field and cell; the axis that is swept first runs fastest.
     pub fields: Vec<Vec<T>>,
-    /// Sums of the work of boundaries and sources, of the numerical dissipation, and the smallest dissipation ratio.
+    /// Sums of boundary work, source work and numerical dissipation, and the smallest dissipation ratio.
     pub work_sums: WorkPartialSums,
     /// Lists by cell, in the order of `fields`: plastic dissipation, work of the initial stress and dissipation of
     /// dashpots, J/m³, each empty if the problem does not need it; then one list for each time integral, without its

@@ -5,17 +5,17 @@ use crate::support::blocky::{
     BLOCK_LENGTH, ROCK_DENSITY, ROCK_SPEEDS, THICKNESSES, blocky_problem, elastic_layer,
     layer_material,
 };
-use models::interface::history::{NORMAL_INERTIA, SHEAR_INERTIA};
+use models::interface::history::{NORMAL_MOTION, SHEAR_MOTION};
 use models::solid::waves::SolidField;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::problem::Problem;
 
-const BLOCKS: usize = 3;
-/// Angular velocity of the block, 1/s.
-const SPIN: f64 = 1.0;
+const BLOCK_COUNT: usize = 3;
+/// Initial angular velocity ω₀ of the block, rad/s.
+const ANGULAR_VELOCITY: f64 = 1.0;
 
-/// Blocky medium of 3 × 3 blocks.
+/// Blocky medium of 3 × 3 blocks, and its solver.
 struct BlockyMedium {
     problem: Problem<2>,
     domain: DecomposedDomain<f64, 2>,
@@ -35,20 +35,24 @@ impl BlockyMedium {
     ) -> Self {
         let boundaries = [0, 1].map(|_| [boundary.clone(), boundary.clone()]);
         let law = elastic_layer(thickness);
-        let problem = blocky_problem([BLOCKS; 2], cells_per_block, law, boundaries);
+        let problem = blocky_problem([BLOCK_COUNT; 2], cells_per_block, law, boundaries);
         let mut domain = DecomposedDomain::<f64, 2>::new(&problem, 1).expect("sound");
         let velocity = |axis: usize| -> Vec<f64> {
             let value = |cell| {
-                let place = place(&problem, cell);
-                match rotates(place.map(|own| own / cells_per_block)) {
-                    true => SPIN * [-1.0, 1.0][axis] * centre(&problem, place)[1 - axis],
+                let indices = cell_indices(&problem, cell);
+                match rotates(indices.map(|own| own / cells_per_block)) {
+                    true => {
+                        ANGULAR_VELOCITY
+                            * [-1.0, 1.0][axis]
+                            * cell_centre(&problem, indices)[1 - axis]
+                    }
                     false => 0.0,
                 }
             };
             (0..problem.grid.count()).map(value).collect()
         };
-        domain.set(SolidField::Velocity(0), &velocity(0));
-        domain.set(SolidField::Velocity(1), &velocity(1));
+        domain.set_field(SolidField::Velocity(0), &velocity(0));
+        domain.set_field(SolidField::Velocity(1), &velocity(1));
         domain.initialise_interlayers();
         let layer_mass = layer_material(thickness).mass();
         Self { problem, domain, cells_per_block, layer_mass }
@@ -59,7 +63,7 @@ impl BlockyMedium {
         Self::new(cells_per_block, thickness, &Boundary::NonReflecting, |block| block == [1, 1])
     }
 
-    /// Stops the interlayers.
+    /// Sets the history variables of all interlayers to zero: no velocity and no stress.
     fn set_interlayers_at_rest(&mut self) {
         let mut snapshot = self.domain.snapshot();
         snapshot.interlayer_history.fill(0.0);
@@ -78,10 +82,10 @@ impl BlockyMedium {
         let records = self.problem.interlayer_records(&self.domain.interlayer_history());
         let mut sums = [0.0; 4];
         for (face, record) in records {
-            let place = place(&self.problem, face.cell);
-            let along = place[1 - face.axis];
-            if along == n + n / 2 - 1 || along == n + n / 2 {
-                let side = place[face.axis] / n - 1;
+            let indices = cell_indices(&self.problem, face.cell);
+            let index_along = indices[1 - face.axis];
+            if index_along == n + n / 2 - 1 || index_along == n + n / 2 {
+                let side = indices[face.axis] / n - 1;
                 sums[2 * face.axis + side] += 0.5 * record.shear_stress;
             }
         }
@@ -92,44 +96,49 @@ impl BlockyMedium {
     fn angular_momentum(&self) -> f64 {
         let values = |axis| self.domain.values(SolidField::Velocity(axis)).expect("a field");
         let [v1, v2] = [values(0), values(1)];
-        let moment =
-            |place: [f64; 2], velocity: [f64; 2]| place[0] * velocity[1] - place[1] * velocity[0];
-        let in_cells: f64 = (0..self.problem.grid.count())
+        let moment = |position: [f64; 2], velocity: [f64; 2]| {
+            position[0] * velocity[1] - position[1] * velocity[0]
+        };
+        let cell_momentum: f64 = (0..self.problem.grid.count())
             .map(|cell| {
-                moment(centre(&self.problem, place(&self.problem, cell)), [v1[cell], v2[cell]])
+                moment(
+                    cell_centre(&self.problem, cell_indices(&self.problem, cell)),
+                    [v1[cell], v2[cell]],
+                )
             })
             .sum();
         let spacing = self.problem.grid.spacing[0];
         let history = self.domain.interlayer_history();
-        let mut in_layers = 0.0;
+        let mut layer_momentum = 0.0;
         for face in self.problem.interlayer_faces() {
-            let mut position = centre(&self.problem, place(&self.problem, face.cell));
+            let mut position = cell_centre(&self.problem, cell_indices(&self.problem, face.cell));
             position[face.axis] -= 0.5 * spacing;
-            let own = &history[face.history];
-            let mut velocity = [own[NORMAL_INERTIA], own[SHEAR_INERTIA]];
+            let variables = &history[face.history];
+            let mut velocity = [variables[NORMAL_MOTION], variables[SHEAR_MOTION]];
             if face.axis == 1 {
                 velocity.reverse();
             }
-            in_layers += moment(position, velocity);
+            layer_momentum += moment(position, velocity);
         }
-        ROCK_DENSITY * spacing * spacing * in_cells + self.layer_mass * spacing * in_layers
+        ROCK_DENSITY * spacing * spacing * cell_momentum
+            + self.layer_mass * spacing * layer_momentum
     }
 }
 
 /// Returns the indices of a cell along both axes.
-fn place(problem: &Problem<2>, cell: usize) -> [usize; 2] {
+fn cell_indices(problem: &Problem<2>, cell: usize) -> [usize; 2] {
     [cell % problem.grid.cells[0], cell / problem.grid.cells[0]]
 }
 
 /// Returns the centre of a cell relative to that of the medium, m.
-fn centre(problem: &Problem<2>, place: [usize; 2]) -> [f64; 2] {
+fn cell_centre(problem: &Problem<2>, indices: [usize; 2]) -> [f64; 2] {
     std::array::from_fn(|axis| {
-        let from_middle = place[axis] as f64 + 0.5 - 0.5 * problem.grid.cells[axis] as f64;
+        let from_middle = indices[axis] as f64 + 0.5 - 0.5 * problem.grid.cells[axis] as f64;
         problem.grid.spacing[axis] * from_middle
     })
 }
 
-/// Stiffness K_t of interlayers, Pa/m.
+/// Returns the shear stiffness K_t of interlayers, Pa/m.
 fn shear_stiffness(thickness: f64) -> f64 {
     1.0 / layer_material(thickness).tangential_compliance()
 }
@@ -147,28 +156,29 @@ fn shear_stiffness(thickness: f64) -> f64 {
 /// ```
 fn exact_traction(thickness: f64, initial: f64, time: f64) -> f64 {
     let [c1, c2] = ROCK_SPEEDS;
-    let [z1, z2] = [c1, c2].map(|speed| ROCK_DENSITY * speed);
-    let [mu, lambda] = [z2 * c2, z1 * c1 - 2.0 * z2 * c2];
+    let [z1, shear_impedance] = [c1, c2].map(|speed| ROCK_DENSITY * speed);
+    let [mu, lambda] = [shear_impedance * c2, z1 * c1 - 2.0 * shear_impedance * c2];
     let (mass, stiffness) = (layer_material(thickness).mass(), shear_stiffness(thickness));
     let beta = (mu - lambda * c2 / c1) / (1.0 + c2 / c1);
-    let gamma = (1.0 - 2.0 * initial) * beta * SPIN * mass / (2.0 * z1 * z2);
-    let [a, b] = [2.0 * stiffness / z2, 2.0 * z1 / mass];
+    let gamma =
+        (1.0 - 2.0 * initial) * beta * ANGULAR_VELOCITY * mass / (2.0 * z1 * shear_impedance);
+    let [a, b] = [2.0 * stiffness / shear_impedance, 2.0 * z1 / mass];
     let relaxed = 1.0 - (-a * time).exp();
     let fast = ((-b * time).exp() - (-a * time).exp()) / (a - b);
-    stiffness * ((gamma - 0.5 * SPIN * BLOCK_LENGTH) * relaxed / a - gamma * fast)
+    stiffness * ((gamma - 0.5 * ANGULAR_VELOCITY * BLOCK_LENGTH) * relaxed / a - gamma * fast)
 }
 
-/// Impedance z₂ of the rock for S waves, kg/(m²s).
-fn z2() -> f64 {
+/// Returns the impedance z₂ of the rock for S waves, kg/(m²s).
+fn shear_impedance() -> f64 {
     ROCK_DENSITY * ROCK_SPEEDS[1]
 }
 
-/// Traction scale ¼z₂ω₀h, Pa.
+/// Returns the traction scale ¼z₂ω₀h, Pa.
 fn traction_scale() -> f64 {
-    0.25 * z2() * SPIN * BLOCK_LENGTH
+    0.25 * shear_impedance() * ANGULAR_VELOCITY * BLOCK_LENGTH
 }
 
-/// Time before which the middle of a side receives no signal of a corner: h/(2c₁).
+/// Returns the time before which the middle of a side of a block receives no signal of a corner, h/(2c₁), s.
 fn corner_time() -> f64 {
     BLOCK_LENGTH / (2.0 * ROCK_SPEEDS[0])
 }
@@ -209,7 +219,8 @@ fn side_tractions_of_a_rotating_block_obey_the_early_time_law() {
                 assert!(order > 1.7, "{order}: {errors:?}");
             }
         }
-        let law = 1.0 - (-2.0 * shear_stiffness(thickness) / z2() * corner_time()).exp();
+        let law =
+            1.0 - (-2.0 * shear_stiffness(thickness) / shear_impedance() * corner_time()).exp();
         let deviation = |initial| {
             (exact_traction(thickness, initial, corner_time()) / traction_scale() + law).abs()
         };
@@ -220,7 +231,7 @@ fn side_tractions_of_a_rotating_block_obey_the_early_time_law() {
 }
 
 /// Returns the values of the velocities v₁, v₂ and the stresses σ₁₁, σ₁₂, σ₂₂.
-fn plane_fields(medium: &BlockyMedium) -> [Vec<f64>; 5] {
+fn plane_strain_fields(medium: &BlockyMedium) -> [Vec<f64>; 5] {
     let fields = [
         SolidField::Velocity(0),
         SolidField::Velocity(1),
@@ -238,15 +249,16 @@ fn rotating_block_keeps_half_turns_and_mirror_images_to_the_bit() {
     for thickness in [1e-4, 5e-3] {
         let mut medium = BlockyMedium::with_rotating_centre(10, thickness);
         medium.domain.advance(40).expect("threads");
-        let (n, fields) = (BLOCKS * 10, plane_fields(&medium));
-        let at = |place: [usize; 2]| fields.each_ref().map(|own| own[place[0] + n * place[1]]);
+        let (n, fields) = (BLOCK_COUNT * 10, plane_strain_fields(&medium));
+        let cell_fields =
+            |indices: [usize; 2]| fields.each_ref().map(|own| own[indices[0] + n * indices[1]]);
         for cell in 0..n * n {
             let [x, y] = [cell % n, cell / n];
-            let [v1, v2, s11, s12, s22] = at([x, y]);
-            assert_eq!(at([n - 1 - x, n - 1 - y]), [-v1, -v2, s11, s12, s22]);
+            let [v1, v2, s11, s12, s22] = cell_fields([x, y]);
+            assert_eq!(cell_fields([n - 1 - x, n - 1 - y]), [-v1, -v2, s11, s12, s22]);
             // A rotation is mapped to its opposite.
-            assert_eq!(at([n - 1 - x, y]), [v1, -v2, -s11, s12, -s22]);
-            assert_eq!(at([x, n - 1 - y]), [-v1, v2, -s11, s12, -s22]);
+            assert_eq!(cell_fields([n - 1 - x, y]), [v1, -v2, -s11, s12, -s22]);
+            assert_eq!(cell_fields([x, n - 1 - y]), [-v1, v2, -s11, s12, -s22]);
         }
         assert!(fields.iter().all(|own| own.iter().any(|value| *value != 0.0)));
     }
@@ -255,24 +267,27 @@ fn rotating_block_keeps_half_turns_and_mirror_images_to_the_bit() {
 /// Computes the difference of the fields to those of a quarter turn, relative to the fields, of means over squares of
 /// `square` × `square` cells.
 fn quarter_turn_error(medium: &BlockyMedium, square: usize) -> f64 {
-    let cells = BLOCKS * medium.cells_per_block;
+    let cells = BLOCK_COUNT * medium.cells_per_block;
     let n = cells / square;
     let z = ROCK_DENSITY * ROCK_SPEEDS[0];
-    let means = plane_fields(medium).map(|values| {
+    let means = plane_strain_fields(medium).map(|values| {
         let mut means = vec![0.0; n * n];
         for (cell, value) in values.iter().enumerate() {
             means[cell % cells / square + n * (cell / cells / square)] += value;
         }
         means
     });
-    let at = |place: [usize; 2]| means.each_ref().map(|own| own[place[0] + n * place[1]]);
+    let cell_fields =
+        |indices: [usize; 2]| means.each_ref().map(|own| own[indices[0] + n * indices[1]]);
     let (mut difference, mut size) = (0.0, 0.0);
     for cell in 0..n * n {
         let [x, y] = [cell % n, cell / n];
-        let [v1, v2, s11, s12, s22] = at([x, y]);
+        let [v1, v2, s11, s12, s22] = cell_fields([x, y]);
         // Components after a quarter turn, which takes (x₁, x₂) to (−x₂, x₁).
         let turned = [-v2, v1, s22, -s12, s11];
-        for (index, (own, turned)) in at([n - 1 - y, x]).into_iter().zip(turned).enumerate() {
+        for (index, (own, turned)) in
+            cell_fields([n - 1 - y, x]).into_iter().zip(turned).enumerate()
+        {
             let unit = if index < 2 { 1.0 } else { z };
             difference += ((own - turned) / unit).powi(2);
             size += (own / unit).powi(2);
@@ -314,11 +329,11 @@ fn angular_momentum_of_a_rotating_block_is_constant_to_second_order() {
             // Cells rotate as points in their centres; interlayers with half the velocity of the outermost cells.
             let (n, h) = (cells as f64, BLOCK_LENGTH);
             let second_moment = h.powi(3) / 12.0 * (1.0 - 1.0 / (n * n));
-            let in_block = 2.0 * ROCK_DENSITY * h * second_moment;
-            let lever = 0.25 * h * h * (1.0 - 1.0 / n);
-            let in_layers = 2.0 * medium.layer_mass * (h * lever + second_moment);
-            let expected = SPIN * (in_block + in_layers);
-            // Sums of some thousand terms.
+            let block_momentum = 2.0 * ROCK_DENSITY * h * second_moment;
+            let edge_moment = 0.25 * h * h * (1.0 - 1.0 / n);
+            let layer_momentum = 2.0 * medium.layer_mass * (h * edge_moment + second_moment);
+            let expected = ANGULAR_VELOCITY * (block_momentum + layer_momentum);
+            // Both are sums of some thousand terms, equal up to rounding.
             assert!((start / expected - 1.0).abs() < 1e-12, "{start} {expected}");
             let mut error = 0.0f64;
             for fraction in [0.25, 0.5, 0.75, 1.0] {

@@ -29,9 +29,9 @@ use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, HALO, Slopes};
 
 /// Returns the indices of the random problems of a test: `count` of them, or as many as the environment variable
 /// `ROUGH` states; `first` distinguishes the tests.
-fn problem_numbers(first: usize, count: usize) -> std::ops::Range<usize> {
-    let asked = std::env::var("ROUGH").ok().and_then(|count| count.parse().ok());
-    first * 1_000_000..first * 1_000_000 + asked.unwrap_or(count)
+fn problem_indices(first: usize, count: usize) -> std::ops::Range<usize> {
+    let requested = std::env::var("ROUGH").ok().and_then(|count| count.parse().ok());
+    first * 1_000_000..first * 1_000_000 + requested.unwrap_or(count)
 }
 
 fn random_media(random: &mut NoiseSequence, dimensions: usize) -> Vec<Medium> {
@@ -63,11 +63,11 @@ fn random_boundary(random: &mut NoiseSequence, medium: &Medium, axis: usize) -> 
 }
 
 /// Returns the random problem of an index, with interlayers across at least one axis, and its description.
-fn random_blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
+fn random_block_problem<const D: usize>(number: usize) -> (Problem<D>, String) {
     let mut random = NoiseSequence::new((number as u64) << 40);
     let media = random_media(&mut random, D);
-    let most = if D == 2 { [40, 29, 33, 24, 16] } else { [18, 13, 17, 12, 16] };
-    let cells: [usize; D] = std::array::from_fn(|_| most[random.uniform_index(5)]);
+    let cell_counts = if D == 2 { [40, 29, 33, 24, 16] } else { [18, 13, 17, 12, 16] };
+    let cells: [usize; D] = std::array::from_fn(|_| cell_counts[random.uniform_index(5)]);
     let grid =
         Grid { cells, spacing: std::array::from_fn(|_| [0.1, 0.13][random.uniform_index(2)]) };
     let boundaries: [[Boundary; 2]; D] =
@@ -88,22 +88,27 @@ fn random_blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
         if random.uniform_index(3) == 0 && !(interlayers.is_empty() && axis + 1 == D) {
             continue;
         }
-        let every = [1, 2, 3, 4, 5, 8, 10][random.uniform_index(7)];
-        let (least, count) = match boundaries[axis][0] == Boundary::Periodic {
+        let block_cells = [1, 2, 3, 4, 5, 8, 10][random.uniform_index(7)];
+        let (min_offset, count) = match boundaries[axis][0] == Boundary::Periodic {
             true => (0, cells[axis]),
             false => (3, cells[axis] - 5),
         };
-        let mut offset = least + random.uniform_index(every.min(count));
+        let mut offset = min_offset + random.uniform_index(block_cells.min(count));
         // Leave at least three cells after the last interlayer.
-        let mut every = every;
-        while least > 0 && (cells[axis] - offset - 1) % every < 2 {
+        let mut block_cells = block_cells;
+        while min_offset > 0 && (cells[axis] - offset - 1) % block_cells < 2 {
             match offset + 1 < cells[axis] - 3 {
                 true => offset += 1,
-                false => (offset, every) = (3, cells[axis]),
+                false => (offset, block_cells) = (3, cells[axis]),
             }
         }
-        let places = [offset, every];
-        interlayers.push(random_interlayers(&mut random, (axis, &cells), places, &media[0]));
+        let offset_and_block_cells = [offset, block_cells];
+        interlayers.push(random_interlayers(
+            &mut random,
+            (axis, &cells),
+            offset_and_block_cells,
+            &media[0],
+        ));
     }
     let description = format!(
         "{number}: {cells:?}, {boundaries:?}, courant {courant}, {scheme:?}, {interlayers:?}"
@@ -118,32 +123,38 @@ fn initial_value<T: SolverReal>(index: usize, cell: usize) -> T {
     T::from_f64(noise((index * 1_000_003 + cell) as u64))
 }
 
-fn fused_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> DecomposedDomain<T, D> {
-    fused_solver_in_subdomains(problem, [1; D])
+fn build_fused_solver<T: SolverReal, const D: usize>(
+    problem: &Problem<D>,
+) -> DecomposedDomain<T, D> {
+    build_decomposed_solver(problem, [1; D])
 }
 
-fn fused_solver_in_subdomains<T: SolverReal, const D: usize>(
+fn build_decomposed_solver<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
-    parts: [usize; D],
+    subdomain_counts: [usize; D],
 ) -> DecomposedDomain<T, D> {
     let mut domain: DecomposedDomain<T, D> =
-        DecomposedDomain::with_subdomains(0, problem, parts).expect("sound");
+        DecomposedDomain::with_subdomains(0, problem, subdomain_counts).expect("sound");
     let cells = 0..problem.grid.count();
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-        domain
-            .set(field, &cells.clone().map(|cell| initial_value(index, cell)).collect::<Vec<T>>());
+        domain.set_field(
+            field,
+            &cells.clone().map(|cell| initial_value(index, cell)).collect::<Vec<T>>(),
+        );
     }
     domain.initialise_interlayers();
     domain
 }
 
-/// Returns the reference solver in the initial state of [`fused_solver`].
-fn reference_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
+/// Returns the reference solver in the initial state of [`build_fused_solver`].
+fn build_reference_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
     let mut solver: Reference<T, D> = Reference::new(problem).expect("sound");
     let cells = 0..problem.grid.count();
     for (index, field) in solver.fields().to_vec().into_iter().enumerate() {
-        solver
-            .set(field, &cells.clone().map(|cell| initial_value(index, cell)).collect::<Vec<T>>());
+        solver.set_field(
+            field,
+            &cells.clone().map(|cell| initial_value(index, cell)).collect::<Vec<T>>(),
+        );
     }
     solver.initialise_interlayers();
     solver
@@ -160,53 +171,53 @@ fn domain_bits<T: SolverReal, const D: usize>(domain: &DecomposedDomain<T, D>) -
 
 fn compare_fused_and_reference<T: SolverReal, const D: usize>(numbers: std::ops::Range<usize>) {
     for number in numbers {
-        let (problem, description) = random_blocks::<D>(number);
-        let (mut one, mut other) =
-            (fused_solver::<T, D>(&problem), reference_solver::<T, D>(&problem));
-        assert!(!one.interlayer_history().is_empty(), "{description}");
-        let before = domain_bits(&one);
-        assert!(before == snapshot_bits(&other.snapshot()), "{description}");
+        let (problem, description) = random_block_problem::<D>(number);
+        let (mut fused, mut reference) =
+            (build_fused_solver::<T, D>(&problem), build_reference_solver::<T, D>(&problem));
+        assert!(!fused.interlayer_history().is_empty(), "{description}");
+        let before = domain_bits(&fused);
+        assert!(before == snapshot_bits(&reference.snapshot()), "{description}");
         for steps in [1, 2, 3] {
-            one.advance(steps).expect("threads");
-            other.advance(steps);
-            assert!(domain_bits(&one) == snapshot_bits(&other.snapshot()), "{description}");
-            assert_eq!(one.energy(), other.energy(), "{description}");
+            fused.advance(steps).expect("threads");
+            reference.advance(steps);
+            assert!(domain_bits(&fused) == snapshot_bits(&reference.snapshot()), "{description}");
+            assert_eq!(fused.energy(), reference.energy(), "{description}");
         }
-        assert_eq!(one.interlayer_history(), other.interlayer_history());
-        let memory = one.interlayer_history();
-        assert!(memory.iter().any(|value| value.to_f64() != 0.0), "{description}");
-        assert!(domain_bits(&one) != before);
+        assert_eq!(fused.interlayer_history(), reference.interlayer_history());
+        let history = fused.interlayer_history();
+        assert!(history.iter().any(|value| value.to_f64() != 0.0), "{description}");
+        assert!(domain_bits(&fused) != before);
         // Each solver resumes from a snapshot of the other.
         let mut resumed: Reference<T, D> = Reference::new(&problem).expect("sound");
-        assert!(resumed.restore(&one.snapshot()));
-        assert!(one.restore(&other.snapshot()));
-        one.advance(2).expect("threads");
+        assert!(resumed.restore(&fused.snapshot()));
+        assert!(fused.restore(&reference.snapshot()));
+        fused.advance(2).expect("threads");
         resumed.advance(2);
-        assert!(domain_bits(&one) == snapshot_bits(&resumed.snapshot()), "{description}");
-        let mut short = one.snapshot();
-        short.interlayer_history.pop();
-        assert!(!resumed.restore(&short));
+        assert!(domain_bits(&fused) == snapshot_bits(&resumed.snapshot()), "{description}");
+        let mut truncated = fused.snapshot();
+        truncated.interlayer_history.pop();
+        assert!(!resumed.restore(&truncated));
     }
 }
 
 #[test]
 fn fused_solver_equals_the_reference_bit_by_bit() {
-    compare_fused_and_reference::<f64, 2>(problem_numbers(0, 40));
-    compare_fused_and_reference::<f32, 2>(problem_numbers(1, 15));
-    compare_fused_and_reference::<f64, 3>(problem_numbers(2, 10));
-    compare_fused_and_reference::<f32, 3>(problem_numbers(3, 5));
+    compare_fused_and_reference::<f64, 2>(problem_indices(0, 40));
+    compare_fused_and_reference::<f32, 2>(problem_indices(1, 15));
+    compare_fused_and_reference::<f64, 3>(problem_indices(2, 10));
+    compare_fused_and_reference::<f32, 3>(problem_indices(3, 5));
 }
 
 /// Compares decompositions of random problems; returns the number of junctions of saturated layers.
 fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) -> usize {
     let mut junctions = 0;
     for number in numbers {
-        let (problem, description) = random_blocks::<D>(number);
+        let (problem, description) = random_block_problem::<D>(number);
         junctions += if D == 2 { count_saturated_junctions(&problem) } else { 0 };
-        let mut whole = fused_solver::<f64, D>(&problem);
-        let beyond = problem.pass_limits().first_axis_halo;
-        let most: [usize; D] = std::array::from_fn(|axis| {
-            let halo = if axis == 0 { HALO + beyond } else { HALO };
+        let mut whole = build_fused_solver::<f64, D>(&problem);
+        let extra_halo = problem.pass_limits().first_axis_halo;
+        let max_counts: [usize; D] = std::array::from_fn(|axis| {
+            let halo = if axis == 0 { HALO + extra_halo } else { HALO };
             (problem.grid.cells[axis] / halo).max(1)
         });
         let cuts = [[1, 1, 2], [1, 1, 3], [2, 1, 1], [3, 1, 2], [2, 2, 1], [2, 2, 2]];
@@ -217,32 +228,37 @@ fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) -> us
                 _ => middle,
             })
         });
-        let is_possible = |cut: &[usize; D]| cut.iter().zip(most).all(|(own, most)| *own <= most);
+        let is_possible =
+            |cut: &[usize; D]| cut.iter().zip(max_counts).all(|(own, max)| *own <= max);
         let cuts = cuts.into_iter().filter(is_possible);
-        let mut parts: Vec<_> = cuts.map(|cut| fused_solver_in_subdomains(&problem, cut)).collect();
+        let mut decomposed: Vec<_> =
+            cuts.map(|cut| build_decomposed_solver(&problem, cut)).collect();
         // Solvers in one subdomain with other instruction sets.
-        let mut others: Vec<_> = InstructionSet::available_sets()
-            .map(|own| (own, fused_solver::<f64, D>(&problem)))
+        let mut other_sets: Vec<_> = InstructionSet::available_sets()
+            .map(|own| (own, build_fused_solver::<f64, D>(&problem)))
             .collect();
         // For odd indices, a pulse in a domain at rest: values of all magnitudes occur, and subnormals are flushed
         // during the run.
         let pulse = |own: &mut DecomposedDomain<f64, D>| {
             if number % 2 == 1 {
                 for field in own.fields().to_vec() {
-                    let at = |cell: usize| if cell == 7 { 1.0 } else { 0.0 };
-                    own.set(field, &(0..problem.grid.count()).map(at).collect::<Vec<f64>>());
+                    let initial_value = |cell: usize| if cell == 7 { 1.0 } else { 0.0 };
+                    own.set_field(
+                        field,
+                        &(0..problem.grid.count()).map(initial_value).collect::<Vec<f64>>(),
+                    );
                 }
                 own.initialise_interlayers();
             }
         };
         pulse(&mut whole);
-        parts.iter_mut().for_each(pulse);
-        others.iter_mut().for_each(|own| pulse(&mut own.1));
+        decomposed.iter_mut().for_each(pulse);
+        other_sets.iter_mut().for_each(|own| pulse(&mut own.1));
         whole.advance(13).expect("threads");
         let snapshot = whole.snapshot();
         whole.advance(6).expect("threads");
         let (expected, ledger) = (domain_bits(&whole), whole.ledger());
-        for own in &mut parts {
+        for own in &mut decomposed {
             own.advance(19).expect("threads");
             assert!(domain_bits(own) == expected, "{description}");
             assert_eq!(own.ledger(), ledger, "{description}");
@@ -253,7 +269,7 @@ fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) -> us
             assert!(domain_bits(own) == expected, "{description}");
             assert_eq!(own.snapshot(), whole.snapshot());
         }
-        for (instructions, own) in &mut others {
+        for (instructions, own) in &mut other_sets {
             own.set_instructions(*instructions);
             own.advance(19).expect("threads");
             assert!(domain_bits(own) == expected, "{instructions:?}: {description}");
@@ -264,17 +280,17 @@ fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) -> us
 
 #[test]
 fn decompositions_snapshots_and_instruction_sets_give_the_same_bits() {
-    let junctions = compare_decompositions::<2>(problem_numbers(4, 30));
+    let junctions = compare_decompositions::<2>(problem_indices(4, 30));
     // Rare in these problems: `saturated_cuts` cuts a medium with many junctions.
     println!("{junctions} junctions of saturated layers");
-    compare_decompositions::<3>(problem_numbers(5, 6));
+    compare_decompositions::<3>(problem_indices(5, 6));
 }
 
 fn check_ledger<const D: usize>(numbers: std::ops::Range<usize>) {
-    let (mut worst, mut moved) = (0.0f64, 0.0f64);
+    let (mut max_residual, mut max_change) = (0.0f64, 0.0f64);
     for number in numbers {
-        let (problem, description) = random_blocks::<D>(number);
-        let mut domain = reference_solver::<f64, D>(&problem);
+        let (problem, description) = random_block_problem::<D>(number);
+        let mut domain = build_reference_solver::<f64, D>(&problem);
         let start = domain.energy();
         let mut before = start.total();
         for _ in 0..10 {
@@ -287,24 +303,24 @@ fn check_ledger<const D: usize>(numbers: std::ops::Range<usize>) {
         let residual =
             (now.total() - start.total() - domain.ledger().energy_change()) / start.total();
         assert!(residual.abs() < 1e-12, "{description}: {residual:e}");
-        worst = worst.max(residual.abs());
-        moved = moved.max(now.interlayer_kinetic + now.interlayer_stored);
+        max_residual = max_residual.max(residual.abs());
+        max_change = max_change.max(now.interlayer_kinetic + now.interlayer_stored);
     }
-    println!("{worst:e}");
-    assert!(moved > 0.01);
+    println!("{max_residual:e}");
+    assert!(max_change > 0.01);
 }
 
 #[test]
 fn ledger_of_blocks_closes() {
-    check_ledger::<2>(problem_numbers(6, 40));
-    check_ledger::<3>(problem_numbers(7, 6));
+    check_ledger::<2>(problem_indices(6, 40));
+    check_ledger::<3>(problem_indices(7, 6));
 }
 
 #[test]
 fn energy_of_blocks_never_grows() {
-    for number in problem_numbers(8, 100) {
-        let (problem, description) = random_blocks::<2>(number);
-        let mut domain = fused_solver::<f64, 2>(&problem);
+    for number in problem_indices(8, 100) {
+        let (problem, description) = random_block_problem::<2>(number);
+        let mut domain = build_fused_solver::<f64, 2>(&problem);
         let mut before = domain.energy().total();
         for _ in 0..100 {
             domain.advance(1).expect("threads");
@@ -325,11 +341,11 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
         longitudinal_speed: 0.6,
         shear_speed: 0.3,
     };
-    let (count, every, offset) = (30, 10, 4);
+    let (count, block_cells, offset) = (30, 10, 4);
     for (axis, slopes) in [(0, Slopes::FourthOrder), (1, Slopes::FourthOrder), (0, Slopes::Limited)]
     {
         let law = InterlayerLaw::from_material(axis, &material, &medium);
-        let interlayers = Interlayers::new_regular(axis, count, [offset, every], law);
+        let interlayers = Interlayers::new_regular(axis, count, [offset, block_cells], law);
         let mut cells = [1; 2];
         cells[axis] = count;
         let step = 2.0 * 0.9 * 0.1 / medium.max_speed();
@@ -350,8 +366,8 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
             let velocity: Vec<f64> = (0..count).map(|i| noise((50 * pair + i) as u64)).collect();
             let stress: Vec<f64> =
                 (0..count).map(|i| noise((50 * pair + i + 999) as u64)).collect();
-            domain.set(own.velocity, &velocity);
-            domain.set(own.stress, &stress);
+            domain.set_field(own.velocity, &velocity);
+            domain.set_field(own.stress, &stress);
         }
         let before = domain.clone();
         domain.initialise_interlayers();
@@ -365,31 +381,31 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
             let mut s = before.values(own.stress).expect("a field");
             let cell =
                 CellConstants::with_interfaces(own.impedance(), own.speed() * 0.5 * step / 0.1);
-            let place = |i: usize| (i + count - GHOSTS) % count;
+            let periodic_index = |i: usize| (i + count - GHOSTS) % count;
             let mut layers: Vec<_> = (0..count + 2 * GHOSTS)
-                .filter(|&i| place(i) % every == offset)
+                .filter(|&i| periodic_index(i) % block_cells == offset)
                 .map(|upper_cell| Interlayer { upper_cell, law, history: vec![0.0; 3] })
                 .collect();
             for own in &mut layers {
-                let i = place(own.upper_cell);
+                let i = periodic_index(own.upper_cell);
                 own.history[0] = 0.5 * (v[(i + count - 1) % count] + v[i]);
             }
             for _ in 0..10 {
-                let around = |own: &[f64]| -> Vec<f64> {
-                    (0..count + 2 * GHOSTS).map(|i| own[place(i)]).collect()
+                let with_ghosts = |own: &[f64]| -> Vec<f64> {
+                    (0..count + 2 * GHOSTS).map(|i| own[periodic_index(i)]).collect()
                 };
-                let (mut all_v, mut all_s) = (around(&v), around(&s));
+                let (mut line_velocity, mut line_stress) = (with_ghosts(&v), with_ghosts(&s));
                 let cells = vec![cell; count + 2 * GHOSTS];
                 let line = LineState {
-                    velocity: &mut all_v,
-                    stress: &mut all_s,
+                    velocity: &mut line_velocity,
+                    stress: &mut line_stress,
                     cells: &cells,
                     accounts: None,
                 };
                 let interval = Interval { end: 1.0, step: 0.5 * step };
                 sweep_with_interlayers([line], slopes, &mut layers, &interval);
-                v = all_v[GHOSTS..GHOSTS + count].to_vec();
-                s = all_s[GHOSTS..GHOSTS + count].to_vec();
+                v = line_velocity[GHOSTS..GHOSTS + count].to_vec();
+                s = line_stress[GHOSTS..GHOSTS + count].to_vec();
             }
             // Sweeps along the other axis leave the fields unchanged; results differ by rounding only.
             let found = [domain.values(own.velocity), domain.values(own.stress)];
@@ -405,12 +421,12 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
 /// Verifies that a uniform velocity of all cells and interlayers stays constant up to rounding.
 #[test]
 fn rigid_motion_stays_uniform() {
-    let (mut problem, _) = random_blocks::<2>(3);
+    let (mut problem, _) = random_block_problem::<2>(3);
     problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
     problem.interlayers.truncate(1);
     let mut domain = DecomposedDomain::<f64, 2>::new(&problem, 1).expect("sound");
     let field = problem.media[0].pairs[0][0].velocity;
-    domain.set(field, &vec![1.0; problem.grid.count()]);
+    domain.set_field(field, &vec![1.0; problem.grid.count()]);
     domain.initialise_interlayers();
     domain.advance(50).expect("threads");
     for value in domain.values(field).expect("a field") {
@@ -421,12 +437,12 @@ fn rigid_motion_stays_uniform() {
 
 #[test]
 fn non_finite_interlayer_values_are_detected() {
-    let (problem, _) = random_blocks::<2>(5);
+    let (problem, _) = random_block_problem::<2>(5);
     let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(domain.first_non_finite(), None);
     let count = domain.interlayer_history().len();
-    let memory = (0..count).map(|i| if i + 1 == count { f64::NAN } else { 0.0 });
-    domain.set_interlayer_history(&mut memory.into_iter());
+    let history = (0..count).map(|i| if i + 1 == count { f64::NAN } else { 0.0 });
+    domain.set_interlayer_history(&mut history.into_iter());
     assert!(domain.first_non_finite().is_some());
     let mut reference = Reference::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(reference.first_non_finite(), None);
@@ -438,14 +454,14 @@ fn non_finite_interlayer_values_are_detected() {
     assert_eq!(reference.first_non_finite(), domain.first_non_finite());
 }
 
-fn elastic_law(mass: f64, compliance: f64) -> InterlayerLaw<f64> {
+fn build_elastic_law(mass: f64, compliance: f64) -> InterlayerLaw<f64> {
     InterlayerLaw::Elastic([elastic_component(mass, compliance); MAX_PAIRS])
 }
 
 #[test]
 fn invalid_interlayers_are_refused() {
-    let (sound, _) = random_blocks::<2>(7);
-    let refused = |change: fn(&mut Problem<2>)| {
+    let (sound, _) = random_block_problem::<2>(7);
+    let is_refused = |change: fn(&mut Problem<2>)| {
         let mut problem = sound.clone();
         problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
         problem.interlayers.truncate(1);
@@ -457,21 +473,21 @@ fn invalid_interlayers_are_refused() {
         assert_eq!(Reference::<f64, 2>::new(&problem).err(), found.clone().err());
         matches!(found, Err(DomainError::Interlayers { .. }))
     };
-    assert!(refused(|own| own.interlayers[0].axis = 2));
-    assert!(refused(|own| own.interlayers.push(own.interlayers[0].clone())));
-    assert!(refused(|own| own.interlayers[0].laws[0] = elastic_law(-1.0, 1.0)));
-    assert!(refused(|own| own.interlayers[0].laws[0] = elastic_law(1.0, f64::NAN)));
-    assert!(refused(|own| own.interlayers[0].laws.clear()));
-    assert!(refused(|own| own.interlayers[0].planes[0].cell = 2));
-    assert!(refused(|own| own.interlayers[0].planes.clear()));
-    assert!(refused(|own| {
-        let again = own.interlayers[0].planes[0].clone();
-        own.interlayers[0].planes.push(again);
+    assert!(is_refused(|own| own.interlayers[0].axis = 2));
+    assert!(is_refused(|own| own.interlayers.push(own.interlayers[0].clone())));
+    assert!(is_refused(|own| own.interlayers[0].laws[0] = build_elastic_law(-1.0, 1.0)));
+    assert!(is_refused(|own| own.interlayers[0].laws[0] = build_elastic_law(1.0, f64::NAN)));
+    assert!(is_refused(|own| own.interlayers[0].laws.clear()));
+    assert!(is_refused(|own| own.interlayers[0].planes[0].cell = 2));
+    assert!(is_refused(|own| own.interlayers[0].planes.clear()));
+    assert!(is_refused(|own| {
+        let duplicate = own.interlayers[0].planes[0].clone();
+        own.interlayers[0].planes.push(duplicate);
     }));
-    assert!(refused(|own| own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(0)])));
-    assert!(refused(|own| {
+    assert!(is_refused(|own| own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(0)])));
+    assert!(is_refused(|own| {
         let faces = own.grid.faces(own.interlayers[0].axis);
         own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(9); faces]);
     }));
-    assert!(refused(|own| own.scheme.splitting = Splitting::Alternating));
+    assert!(is_refused(|own| own.scheme.splitting = Splitting::Alternating));
 }

@@ -8,7 +8,7 @@ use crate::support::chain::{BlockChain, ChainState};
 use crate::support::interlayers::{elastic_component, layers_of_all_kinds};
 use crate::support::random::NoiseSequence;
 use models::interface::elastic::ElasticLayer;
-use models::interface::history::{NORMAL_INERTIA, NORMAL_STATE};
+use models::interface::history::{NORMAL_MOTION, NORMAL_STATE};
 use models::interface::layer::LayerLaw;
 use models::interface::parameters::{LayerMaterial, MassDistribution};
 use models::interface::{FaceLaw, FaceState, Interval, RiemannData};
@@ -25,27 +25,33 @@ use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::solid::interlayers::{InterlayerLaw, Interlayers};
 
 /// Number of lines across the direction of propagation of a chain.
-const LINES: usize = 3;
+const LINE_COUNT: usize = 3;
 const CELLS_PER_BLOCK: usize = 10;
-const BLOCKS: usize = 8;
+const BLOCK_COUNT: usize = 8;
 
 /// Returns the chain of the rock with interlayers of a thickness, m, for P waves; time in sweeps, stress in units of
 /// the impedance of the rock times a velocity.
-fn longitudinal_chain(thickness: f64) -> BlockChain {
+fn build_longitudinal_chain(thickness: f64) -> BlockChain {
     let z = ROCK_DENSITY * ROCK_SPEEDS[0];
     let sweep = BLOCK_LENGTH / CELLS_PER_BLOCK as f64 / ROCK_SPEEDS[0];
     let material = layer_material(thickness);
     let law =
         elastic_component(material.mass() / (z * sweep), material.normal_compliance() * z / sweep);
-    BlockChain { cells_per_block: CELLS_PER_BLOCK, block_count: BLOCKS, z: 1.0, law, step: 1.0 }
+    BlockChain {
+        cells_per_block: CELLS_PER_BLOCK,
+        block_count: BLOCK_COUNT,
+        z: 1.0,
+        law,
+        step: 1.0,
+    }
 }
 
 /// Returns the problem of a periodic chain along an axis.
-fn chain_problem(axis: usize, thickness: f64) -> Problem<2> {
-    let mut cells = [LINES; 2];
-    cells[axis] = BLOCKS * CELLS_PER_BLOCK;
+fn build_chain_problem(axis: usize, thickness: f64) -> Problem<2> {
+    let mut cells = [LINE_COUNT; 2];
+    cells[axis] = BLOCK_COUNT * CELLS_PER_BLOCK;
     let spacing = BLOCK_LENGTH / CELLS_PER_BLOCK as f64;
-    let law = LayerMaterial::Elastic(layer_material(thickness)).law(MassDistribution::Box);
+    let law = LayerMaterial::Elastic(layer_material(thickness)).to_law(MassDistribution::Box);
     let law = InterlayerLaw::Plane(law, axis);
     let interlayers = Interlayers::new_regular(axis, cells[axis], [0, CELLS_PER_BLOCK], law);
     let boundaries = [0, 1].map(|_| [Boundary::Periodic, Boundary::Periodic]);
@@ -59,7 +65,7 @@ fn chain_problem(axis: usize, thickness: f64) -> Problem<2> {
 }
 
 /// Returns the coordinate of a cell of a problem along an axis.
-fn coordinate(problem: &Problem<2>, axis: usize, cell: usize) -> usize {
+fn cell_coordinate(problem: &Problem<2>, axis: usize, cell: usize) -> usize {
     [cell % problem.grid.cells[0], cell / problem.grid.cells[0]][axis]
 }
 
@@ -70,22 +76,22 @@ fn set_chain_state(
     state: &ChainState,
 ) {
     let z = ROCK_DENSITY * ROCK_SPEEDS[0];
-    let by_cell = |values: &[f64], factor: f64| -> Vec<f64> {
-        let value = |cell| factor * values[coordinate(problem, axis, cell)];
+    let cell_values = |values: &[f64], factor: f64| -> Vec<f64> {
+        let value = |cell| factor * values[cell_coordinate(problem, axis, cell)];
         (0..problem.grid.count()).map(value).collect()
     };
     let pair = &problem.media[0].pairs[axis][axis];
-    domain.set(pair.velocity, &by_cell(&state.velocity, 1.0));
-    domain.set(pair.stress, &by_cell(&state.stress, z));
+    domain.set_field(pair.velocity, &cell_values(&state.velocity, 1.0));
+    domain.set_field(pair.stress, &cell_values(&state.stress, z));
     for (field, ratio) in &pair.passive_stresses {
-        domain.set(*field, &by_cell(&state.stress, ratio * z));
+        domain.set_field(*field, &cell_values(&state.stress, ratio * z));
     }
     let mut history = Vec::new();
     for face in problem.interlayer_faces() {
         let [velocity, stress] =
-            state.layers[coordinate(problem, axis, face.cell) / CELLS_PER_BLOCK];
+            state.layers[cell_coordinate(problem, axis, face.cell) / CELLS_PER_BLOCK];
         history.resize(face.history.end, 0.0);
-        history[face.history.start + NORMAL_INERTIA] = velocity;
+        history[face.history.start + NORMAL_MOTION] = velocity;
         history[face.history.start + NORMAL_STATE] = z * stress;
     }
     domain.set_interlayer_history(&mut history.into_iter());
@@ -99,7 +105,7 @@ fn chain_deviation(
 ) -> f64 {
     let z = ROCK_DENSITY * ROCK_SPEEDS[0];
     let pair = &problem.media[0].pairs[axis][axis];
-    let mut worst = 0.0f64;
+    let mut max_deviation = 0.0f64;
     for field in domain.fields() {
         let passive = pair.passive_stresses.iter().find(|passive| passive.0 == *field);
         let (expected, factor, unit) = match passive {
@@ -109,19 +115,19 @@ fn chain_deviation(
             None => (&state.stress, 0.0, z),
         };
         for (cell, value) in domain.values(*field).expect("a field").iter().enumerate() {
-            let expected = factor * expected[coordinate(problem, axis, cell)];
-            worst = worst.max((value / unit - expected).abs());
+            let expected = factor * expected[cell_coordinate(problem, axis, cell)];
+            max_deviation = max_deviation.max((value / unit - expected).abs());
         }
     }
     let history = domain.interlayer_history();
     for face in problem.interlayer_faces() {
-        let own = &history[face.history.clone()];
+        let variables = &history[face.history.clone()];
         let [velocity, stress] =
-            state.layers[coordinate(problem, axis, face.cell) / CELLS_PER_BLOCK];
-        worst = worst.max((own[NORMAL_INERTIA] - velocity).abs());
-        worst = worst.max((own[NORMAL_STATE] / z - stress).abs());
+            state.layers[cell_coordinate(problem, axis, face.cell) / CELLS_PER_BLOCK];
+        max_deviation = max_deviation.max((variables[NORMAL_MOTION] - velocity).abs());
+        max_deviation = max_deviation.max((variables[NORMAL_STATE] / z - stress).abs());
     }
-    worst
+    max_deviation
 }
 
 /// Verifies that P modes of a chain oscillate as e^{iωt} with ω of the discrete Bloch relation over 2000 steps (4000
@@ -130,18 +136,20 @@ fn chain_deviation(
 #[test]
 fn modes_of_a_chain_of_blocks_have_the_frequencies_of_the_bloch_relation() {
     // Frequencies of the lowest branch at κh = π/4, π/2, π, kHz, of the equations before their discretisation.
-    let continuous = [
+    let continuous_frequencies = [
         [11.96405, 23.91230, 45.89261],
         [8.96731, 17.56580, 28.44161],
         [5.11290, 9.73241, 14.47159],
     ];
     let sweep = BLOCK_LENGTH / CELLS_PER_BLOCK as f64 / ROCK_SPEEDS[0];
-    let mut worst = 0.0f64;
-    for (thickness, continuous) in THICKNESSES.into_iter().zip(continuous) {
-        let chain = longitudinal_chain(thickness);
+    let mut max_error = 0.0f64;
+    for (thickness, frequencies) in THICKNESSES.into_iter().zip(continuous_frequencies) {
+        let chain = build_longitudinal_chain(thickness);
         for (branch, axis) in [(0, 0), (1, 1)] {
-            let problem = chain_problem(axis, thickness);
-            for (phase, continuous) in [0.25 * PI, 0.5 * PI, PI].into_iter().zip(continuous) {
+            let problem = build_chain_problem(axis, thickness);
+            for (phase, continuous_frequency) in
+                [0.25 * PI, 0.5 * PI, PI].into_iter().zip(frequencies)
+            {
                 let frequency = chain.mode_frequency(phase, branch);
                 let mode = chain.mode(frequency, phase);
                 let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
@@ -159,18 +167,18 @@ fn modes_of_a_chain_of_blocks_have_the_frequencies_of_the_bloch_relation() {
                     "δ {thickness}, branch {branch}, κh {phase:.4}: {kilohertz:.5} kHz, {error:e}"
                 );
                 assert!(error < 1e-11, "{error:e}");
-                worst = worst.max(error);
+                max_error = max_error.max(error);
                 if branch == 0 {
                     // The scheme replaces ω in the layers by (2/Δt) tan ½ωΔt, larger by the relative amount
                     // (ωΔt)²/12 + …; it lowers the frequency by less than that.
                     let bound = frequency * frequency / 10.0;
-                    let relative = 1.0 - kilohertz / continuous;
+                    let relative = 1.0 - kilohertz / continuous_frequency;
                     assert!((-1e-6..bound).contains(&relative), "{relative} {bound}");
                 }
             }
         }
     }
-    println!("{worst:e}");
+    println!("{max_error:e}");
 }
 
 /// Half-spaces with an interlayer normal to the first axis between them. P waves have Courant number 1 in both.
@@ -196,13 +204,13 @@ impl HalfSpaces {
             Medium::new(Isotropic::new(0.5 * z, 0.25 * z, z, None).expect("sound moduli"), 2)
         };
         let count = 2 * cells;
-        let law_of_plane = InterlayerLaw::Plane(law, 0);
+        let interlayer_law = InterlayerLaw::Plane(law, 0);
         let boundaries = [
             [Boundary::NonReflecting, Boundary::NonReflecting],
             [Boundary::Periodic, Boundary::Periodic],
         ];
         let problem = Problem {
-            interlayers: vec![Interlayers::new_regular(0, count, [cells, count], law_of_plane)],
+            interlayers: vec![Interlayers::new_regular(0, count, [cells, count], interlayer_law)],
             ..Problem::new(
                 Grid { cells: [count, 1], spacing: [1.0; 2] },
                 impedance.map(medium).to_vec(),
@@ -221,7 +229,7 @@ impl HalfSpaces {
         self.problem.grid.cells[0] / 2
     }
 
-    /// Returns the impedance of a cell.
+    /// Returns the impedance of a cell for P waves.
     fn impedance(&self, cell: usize) -> f64 {
         self.problem.media[usize::from(self.problem.cell_media[cell])].pairs[0][0].impedance()
     }
@@ -230,7 +238,7 @@ impl HalfSpaces {
     /// sweep; returns the history variables after each sweep and the states of both sides during each sweep.
     fn advance_face(&self, sweeps: usize) -> (Vec<Vec<f64>>, Vec<[FaceState<f64>; 2]>) {
         let cells = self.cells();
-        let mut history = vec![0.0; self.law.history_variables()];
+        let mut history = vec![0.0; self.law.history_variable_count()];
         let [before, after] = [cells - 1, cells].map(|cell| self.velocity[cell]);
         self.law.initialise(&[[before, after], [0.0; 2]], &mut history);
         let impedance = [self.impedance(cells - 1), self.impedance(cells)];
@@ -285,7 +293,7 @@ impl HalfSpaces {
     }
 }
 
-const LONGITUDINAL: [SolidField; 2] = [SolidField::Stress(0, 0), SolidField::Velocity(0)];
+const LONGITUDINAL_FIELDS: [SolidField; 2] = [SolidField::Stress(0, 0), SolidField::Velocity(0)];
 
 /// Verifies both solvers of the grid against the law of the face alone: to the bit between equal impedances, for
 /// constants and waves whose numbers are represented exactly through eight sweeps, so that no order of additions
@@ -301,46 +309,53 @@ fn interlayer_between_half_spaces_equals_the_face_law_bit_by_bit() {
         ([1.0, 1.0], elastic(1.0, 1.0), 0.0),
         ([1.0, 3.0], elastic(0.5, 0.375), 8.0 * 8.0 * 16.0 * f64::EPSILON),
     ] {
-        let mut worst = 0.0f64;
+        let mut max_error = 0.0f64;
         for _ in 0..20 {
             let value = || random.uniform_index(17) as f64 - 8.0;
-            let own = HalfSpaces::new(12, impedance, law, value);
+            let half_spaces = HalfSpaces::new(12, impedance, law, value);
             let (mut fused, mut reference) = (
-                DecomposedDomain::<f64, 2>::new(&own.problem, 1).expect("sound"),
-                Reference::<f64, 2>::new(&own.problem).expect("sound"),
+                DecomposedDomain::<f64, 2>::new(&half_spaces.problem, 1).expect("sound"),
+                Reference::<f64, 2>::new(&half_spaces.problem).expect("sound"),
             );
-            for (field, values) in LONGITUDINAL.into_iter().zip([&own.stress, &own.velocity]) {
-                fused.set(field, values);
-                reference.set(field, values);
+            for (field, values) in
+                LONGITUDINAL_FIELDS.into_iter().zip([&half_spaces.stress, &half_spaces.velocity])
+            {
+                fused.set_field(field, values);
+                reference.set_field(field, values);
             }
             fused.initialise_interlayers();
             reference.initialise_interlayers();
             for sweeps in [2, 4, 6, 8] {
                 fused.advance(1).expect("threads");
                 reference.advance(1);
-                let (histories, states) = own.advance_face(sweeps);
+                let (histories, states) = half_spaces.advance_face(sweeps);
                 let mut expected = histories[sweeps - 1].clone();
                 // Cells beyond the reach of the sides.
-                let inside = sweeps..24 - sweeps;
-                expected.extend(own.exact_cells(&states)[inside.clone()].iter().flatten());
+                let reached_cells = sweeps..24 - sweeps;
+                expected.extend(
+                    half_spaces.exact_cells(&states)[reached_cells.clone()].iter().flatten(),
+                );
                 for (mut found, values) in [
-                    (fused.interlayer_history(), LONGITUDINAL.map(|field| fused.values(field))),
+                    (
+                        fused.interlayer_history(),
+                        LONGITUDINAL_FIELDS.map(|field| fused.values(field)),
+                    ),
                     (
                         reference.interlayer_history(),
-                        LONGITUDINAL.map(|field| reference.values(field)),
+                        LONGITUDINAL_FIELDS.map(|field| reference.values(field)),
                     ),
                 ] {
                     let values = values.map(|values| values.expect("a field"));
-                    found.extend(inside.clone().flat_map(|i| [values[0][i], values[1][i]]));
+                    found.extend(reached_cells.clone().flat_map(|i| [values[0][i], values[1][i]]));
                     assert_eq!(found.len(), expected.len());
                     for (found, expected) in found.iter().zip(&expected) {
-                        worst = worst.max((found - expected).abs());
+                        max_error = max_error.max((found - expected).abs());
                     }
                 }
             }
         }
-        println!("{impedance:?}: {worst:e}");
-        assert!(worst <= tolerance, "{impedance:?}: {worst:e}");
+        println!("{impedance:?}: {max_error:e}");
+        assert!(max_error <= tolerance, "{impedance:?}: {max_error:e}");
     }
 }
 
@@ -351,25 +366,27 @@ fn interlayer_between_half_spaces_equals_the_face_law_bit_by_bit() {
 fn layers_of_all_kinds_between_half_spaces_equal_their_face_laws() {
     let mut random = NoiseSequence::new(71 << 40);
     let (steps, cells) = (100, 210);
-    let mut worst = 0.0f64;
+    let mut max_error = 0.0f64;
     for (index, law) in layers_of_all_kinds(&mut random).into_iter().enumerate() {
         let impedance = [0; 2].map(|_| 3f64.powf(random.uniform_symmetric()));
-        let own = HalfSpaces::new(cells, impedance, law, || random.uniform_symmetric());
-        let mut fused = DecomposedDomain::<f64, 2>::new(&own.problem, 1).expect("sound");
-        for (field, values) in LONGITUDINAL.into_iter().zip([&own.stress, &own.velocity]) {
-            fused.set(field, values);
+        let half_spaces = HalfSpaces::new(cells, impedance, law, || random.uniform_symmetric());
+        let mut fused = DecomposedDomain::<f64, 2>::new(&half_spaces.problem, 1).expect("sound");
+        for (field, values) in
+            LONGITUDINAL_FIELDS.into_iter().zip([&half_spaces.stress, &half_spaces.velocity])
+        {
+            fused.set_field(field, values);
         }
         fused.initialise_interlayers();
         fused.advance(steps).expect("threads");
-        let (histories, states) = own.advance_face(2 * steps);
+        let (histories, states) = half_spaces.advance_face(2 * steps);
         let mut error = 0.0f64;
         let last = &histories[2 * steps - 1];
         assert!(last[NORMAL_STATE] != 0.0);
         for (value, expected) in fused.interlayer_history().iter().zip(last) {
             error = error.max((value - expected).abs() / expected.abs().max(1.0));
         }
-        let exact = own.exact_cells(&states);
-        for (index, field) in LONGITUDINAL.into_iter().enumerate() {
+        let exact = half_spaces.exact_cells(&states);
+        for (index, field) in LONGITUDINAL_FIELDS.into_iter().enumerate() {
             let values = fused.values(field).expect("a field");
             // Cells beyond the reach of the sides.
             for cell in 2 * steps..2 * cells - 2 * steps {
@@ -378,7 +395,7 @@ fn layers_of_all_kinds_between_half_spaces_equal_their_face_laws() {
         }
         println!("{index}: {error:e}");
         assert!(error < 7e-13, "{law:?}: {error:e}");
-        worst = worst.max(error);
+        max_error = max_error.max(error);
     }
-    println!("{worst:e}");
+    println!("{max_error:e}");
 }

@@ -45,29 +45,29 @@ fn add_interlayers<const D: usize>(random: &mut NoiseSequence, problem: &mut Pro
 
 fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
     let theory = random.choose(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
-    let (yields, relaxes) = (!random.is_one_in(4), random.is_one_in(3));
+    let (can_yield, can_relax) = (!random.is_one_in(4), random.is_one_in(3));
     let medium = |random: &mut NoiseSequence| {
         let factor = random.choose(&[1.0, 1.0, 0.3, 2.3, 40.0]);
         if D == 2 && theory == Theory::Cosserat && random.is_one_in(6) {
             return Medium::new(cubic_compliances(), 2);
         }
         let solid = scaled_isotropic(theory, factor);
-        let own = match relaxes && random.is_one_in(2) {
+        let medium = match can_relax && random.is_one_in(2) {
             true => {
                 let time = random.choose(&[1e-3, 0.05, 1.0]);
-                let own = StandardLinearSolid::from_unrelaxed(solid, 0.4 * factor, time);
-                Medium::with_relaxation(own.expect("sound constants"), D)
+                let medium = StandardLinearSolid::from_unrelaxed(solid, 0.4 * factor, time);
+                Medium::with_relaxation(medium.expect("sound constants"), D)
             }
             false => Medium::new(solid, D),
         };
-        if !yields || random.is_one_in(5) {
-            return own;
+        if !can_yield || random.is_one_in(5) {
+            return medium;
         }
         let strength = random.choose(&[0.05, 0.05, 0.3, 0.3, 1.0, 100.0]);
         let friction = random.choose(&[0.0, 0.2, 0.5]);
         let mises = Mises::new_drucker_prager(strength, friction, friction);
         // Interlayer yield sets exist in the plane only.
-        own.with_yield_set(match (D == 2 && random.is_one_in(4), random.is_one_in(2)) {
+        medium.with_yield_set(match (D == 2 && random.is_one_in(4), random.is_one_in(2)) {
             (true, _) => YieldSet::from(InterlayerYieldSet {
                 shear_strength: strength,
                 shear_friction: friction,
@@ -99,12 +99,13 @@ fn random_cell_media<const D: usize>(
     let count: usize = cells.iter().product();
     let (kind, width, seed) =
         (random.uniform_index(4), 1 + random.uniform_index(9), random.seed() + (1 << 31));
-    let of = |number: usize| ((0.5 * noise(seed + number as u64) + 0.5) * media as f64) as u16;
+    let random_medium =
+        |number: usize| ((0.5 * noise(seed + number as u64) + 0.5) * media as f64) as u16;
     let medium = |cell: usize| match kind {
-        0 => of(0),
-        1 => of(cell / (count / cells[D - 1]) / width),
-        2 => of(cell % cells[0] / width + 1000 * (cell / cells[0] / width)),
-        _ => of(cell),
+        0 => random_medium(0),
+        1 => random_medium(cell / (count / cells[D - 1]) / width),
+        2 => random_medium(cell % cells[0] / width + 1000 * (cell / cells[0] / width)),
+        _ => random_medium(cell),
     };
     (0..count).map(medium).collect()
 }
@@ -137,7 +138,7 @@ fn random_boundary<const D: usize>(
 
 fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     let media = random_media::<D>(random);
-    // Numbers of cells around the limits of SIMD groups and of tiles of rows and layers.
+    // Numbers of cells next to the limits of SIMD groups and of tiles of rows and layers.
     let lengths: &[&[usize]] = match D {
         2 => &[
             &[1, 2, 3, 7, 13, 14, 15, 16, 17, 29, 30, 31, 32, 40, 62, 126, 254, 255, 300, 530],
@@ -159,7 +160,7 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     };
     let count = grid.count();
     let medium_of_cell = random_cell_media(random, grid.cells, media.len());
-    let sides = std::array::from_fn(|axis| match random.is_one_in(3) {
+    let boundaries = std::array::from_fn(|axis| match random.is_one_in(3) {
         true => [Boundary::Periodic, Boundary::Periodic],
         false => [0, 1].map(|_| random_boundary(random, &media, &grid, axis)),
     });
@@ -176,14 +177,16 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     };
     let fields = media[0].fields.clone();
     let pairs: Vec<usize> = media[0].pairs.iter().map(Vec::len).collect();
-    let mut problem = Problem::new(grid, media, medium_of_cell, sides, step, scheme);
+    let mut problem = Problem::new(grid, media, medium_of_cell, boundaries, step, scheme);
     let signal: Signal = Arc::new(move |time: f64| 0.3 * (0.7 * time / step).sin());
     for _ in 0..random.uniform_index(3) {
         let (axis, end) = (random.uniform_index(D), random.uniform_index(2));
         if problem.boundaries[axis][end] != Boundary::Periodic {
-            let (all, every) = (grid.faces(axis), 1 + random.uniform_index(3));
-            let faces =
-                (random.uniform_index(all)..all).step_by(every).map(|face| (face, 0.4)).collect();
+            let (face_count, every) = (grid.faces(axis), 1 + random.uniform_index(3));
+            let faces = (random.uniform_index(face_count)..face_count)
+                .step_by(every)
+                .map(|face| (face, 0.4))
+                .collect();
             let pair = random.uniform_index(pairs[axis]);
             problem.loads.push(Load { axis, end, pair, faces, signal: signal.clone() });
         }
@@ -210,11 +213,12 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
         problem.initial_stress = Some((axis, (0..grid.cells[axis]).map(stress).collect()));
     }
     if random.is_one_in(3) {
-        let moves =
+        let is_velocity_or_spin =
             |field: &SolidField| matches!(field, SolidField::Velocity(_) | SolidField::Spin(_));
-        let all: Vec<SolidField> = fields.iter().copied().filter(moves).collect();
+        let integrable_fields: Vec<SolidField> =
+            fields.iter().copied().filter(is_velocity_or_spin).collect();
         problem.integrated_fields =
-            (0..=random.uniform_index(2)).map(|_| random.choose(&all)).collect();
+            (0..=random.uniform_index(2)).map(|_| random.choose(&integrable_fields)).collect();
     }
     if random.is_one_in(2) {
         add_interlayers(random, &mut problem);
@@ -222,11 +226,11 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     problem
 }
 
-/// Random initial values.
+/// Distribution of random initial values.
 #[derive(Clone, Copy)]
 struct InitialValues {
     seed: u64,
-    /// Magnitude of the values.
+    /// Largest magnitude of the values.
     magnitude: f64,
     /// Probability that a value is not zero; the others are zeros of either sign.
     nonzero_fraction: f64,
@@ -242,8 +246,8 @@ impl InitialValues {
             T::from_f64(magnitude * noise(number) * if is_zero { 0.0 } else { 1.0 })
         };
         let count = problem.grid.count();
-        let of_field = |index: usize| (index * count..(index + 1) * count).map(value).collect();
-        (0..problem.fields().len()).map(of_field).collect()
+        let field_values = |index: usize| (index * count..(index + 1) * count).map(value).collect();
+        (0..problem.fields().len()).map(field_values).collect()
     }
 }
 
@@ -255,7 +259,7 @@ fn run_reference<T: SolverReal, const D: usize>(
 ) -> Reference<T, D> {
     let mut reference: Reference<T, D> = Reference::new(problem).expect("a sound problem");
     let fields = reference.fields().to_vec();
-    fields.iter().zip(start.values(problem)).for_each(|(f, own)| reference.set(*f, &own));
+    fields.iter().zip(start.values(problem)).for_each(|(f, own)| reference.set_field(*f, &own));
     reference.initialise_interlayers();
     reference.advance(steps);
     reference
@@ -271,19 +275,22 @@ fn run_fused<T: SolverReal, const D: usize>(
 ) -> (Snapshot<T>, Vec<Vec<f64>>, Energy) {
     let mut last: Option<(Snapshot<T>, Vec<Vec<f64>>, Energy)> = None;
     for &(parts, steps) in runs {
-        let mut split: DecomposedDomain<T, D> =
+        let mut decomposed: DecomposedDomain<T, D> =
             DecomposedDomain::with_subdomains(0, problem, parts).expect("a sound problem");
-        split.set_instructions(instructions);
+        decomposed.set_instructions(instructions);
         match &last {
-            Some((snapshot, ..)) => assert!(split.restore(snapshot)),
+            Some((snapshot, ..)) => assert!(decomposed.restore(snapshot)),
             None => {
-                let fields = split.fields().to_vec();
-                fields.iter().zip(start.values(problem)).for_each(|(f, own)| split.set(*f, &own));
-                split.initialise_interlayers();
+                let fields = decomposed.fields().to_vec();
+                fields
+                    .iter()
+                    .zip(start.values(problem))
+                    .for_each(|(f, own)| decomposed.set_field(*f, &own));
+                decomposed.initialise_interlayers();
             }
         }
-        split.advance(steps).expect("threads");
-        last = Some((split.snapshot(), split.output_values(), split.energy()));
+        decomposed.advance(steps).expect("threads");
+        last = Some((decomposed.snapshot(), decomposed.output_values(), decomposed.energy()));
     }
     last.expect("a run")
 }
@@ -292,68 +299,77 @@ fn to_bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
     all.iter().map(|own| own.iter().map(|value| value.to_f64().to_bits()).collect()).collect()
 }
 
-/// Compares the fused solver with the reference solver for random problems from the index `first` on. `small`:
-/// magnitude of initial values not far above the threshold below which values are flushed to zero.
-fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
-    let wanted = std::env::var("CONFIGURATIONS").ok();
-    let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
-    let (mut yielding, mut divided, mut relaxing, mut layered) = (0, 0, 0, 0);
-    let count = wanted.unwrap_or(if D == 2 { 100 } else { 40 });
+/// Compares the fused solver with the reference solver for random problems from the index `first` on.
+/// `small_magnitude`: magnitude of initial values not far above the threshold below which values are flushed to zero.
+fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small_magnitude: f64) {
+    let requested = std::env::var("CONFIGURATIONS").ok();
+    let requested = requested.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
+    let (mut yielding, mut decomposed_count, mut relaxing, mut layered) = (0, 0, 0, 0);
+    let count = requested.unwrap_or(if D == 2 { 100 } else { 40 });
     for number in first..first + count {
         let mut random = NoiseSequence::new((number as u64) << 32);
         let problem = random_problem::<D>(&mut random);
         let steps = [random.uniform_index(4), random.choose(&[1, 1, 2, 7, 20, 20])];
         let start = InitialValues {
             seed: random.seed() + (3 << 30),
-            magnitude: random.choose(&[1.0, 1.0, 1.0, small]),
+            magnitude: random.choose(&[1.0, 1.0, 1.0, small_magnitude]),
             nonzero_fraction: random.choose(&[1.0, 1.0, 0.5, 0.05]),
         };
         // Along the first axis the stencil of the output needs two more cells than the halo.
-        let most = |axis: usize| {
+        let max_count = |axis: usize| {
             let cells = problem.grid.cells[axis];
             if axis == 0 { (cells / (HALO + 2)).clamp(1, 3) } else { (cells / HALO).clamp(1, 4) }
         };
-        let mut some_parts = || std::array::from_fn(|axis| 1 + random.uniform_index(most(axis)));
-        let parts: [[[usize; D]; 2]; 2] = std::array::from_fn(|_| [0, 1].map(|_| some_parts()));
-        let whole = [([1; D], steps[0] + steps[1])];
+        let mut random_counts =
+            || std::array::from_fn(|axis| 1 + random.uniform_index(max_count(axis)));
+        let subdomain_counts: [[[usize; D]; 2]; 2] =
+            std::array::from_fn(|_| [0, 1].map(|_| random_counts()));
+        let uninterrupted = [([1; D], steps[0] + steps[1])];
         let reference: Reference<T, D> = run_reference(&problem, start, steps[0] + steps[1]);
         let expected: Snapshot<T> = reference.snapshot();
         let (values, sums) = (to_bits(&expected.fields), to_bits(&expected.cell_sums));
-        let memory = to_bits(std::slice::from_ref(&expected.interlayer_history));
+        let history = to_bits(std::slice::from_ref(&expected.interlayer_history));
         let energies = [reference.energy()];
         let all = expected.fields.iter().flatten().map(|value| value.to_f64());
         let mut all = all.chain(expected.cell_sums.iter().flatten().copied());
         assert!(all.all(f64::is_finite), "problem {number}");
         let mut inflow = None;
         for instructions in InstructionSet::available_sets() {
-            let stops = parts.map(|[one, other]| [(one, steps[0]), (other, steps[1])]);
-            for way in [whole.as_slice(), stops[0].as_slice(), stops[1].as_slice()] {
-                let (found, shown, found_energy) =
-                    run_fused::<T, D>(&problem, start, instructions, way);
-                let what = format!("problem {number}: {instructions:?}, {way:?}");
-                assert!(values == to_bits(&found.fields), "{what}");
-                assert!(sums == to_bits(&found.cell_sums), "{what}");
+            let resumed_runs =
+                subdomain_counts.map(|[one, other]| [(one, steps[0]), (other, steps[1])]);
+            for runs in
+                [uninterrupted.as_slice(), resumed_runs[0].as_slice(), resumed_runs[1].as_slice()]
+            {
+                let (found, output, found_energy) =
+                    run_fused::<T, D>(&problem, start, instructions, runs);
+                let label = format!("problem {number}: {instructions:?}, {runs:?}");
+                assert!(values == to_bits(&found.fields), "{label}");
+                assert!(sums == to_bits(&found.cell_sums), "{label}");
                 assert!(
-                    memory == to_bits(std::slice::from_ref(&found.interlayer_history)),
-                    "{what}"
+                    history == to_bits(std::slice::from_ref(&found.interlayer_history)),
+                    "{label}"
                 );
-                assert!(to_bits(&reference.output_values()) == to_bits(&shown), "{what}");
-                assert_eq!(expected.work_sums[1], found.work_sums[1], "{what}");
-                assert_eq!(expected.work_sums[3], found.work_sums[3], "{what}");
+                assert!(to_bits(&reference.output_values()) == to_bits(&output), "{label}");
+                assert_eq!(expected.work_sums[1], found.work_sums[1], "{label}");
+                assert_eq!(expected.work_sums[3], found.work_sums[3], "{label}");
                 let inflow = inflow.get_or_insert_with(|| found.work_sums[0].clone());
-                assert_eq!(*inflow, found.work_sums[0], "{what}");
-                assert!(energies == [found_energy], "{what}");
+                assert_eq!(*inflow, found.work_sums[0], "{label}");
+                assert!(energies == [found_energy], "{label}");
             }
         }
         yielding += usize::from(expected.cell_sums[0].iter().any(|lost| *lost > 0.0));
-        divided +=
-            usize::from(parts.iter().flatten().any(|parts| parts[..D - 1] != [1; 2][..D - 1]));
+        decomposed_count += usize::from(
+            subdomain_counts
+                .iter()
+                .flatten()
+                .any(|subdomain_counts| subdomain_counts[..D - 1] != [1; 2][..D - 1]),
+        );
         relaxing += usize::from(reference.ledger().viscous_dissipation > 0.0);
         layered += usize::from(!expected.interlayer_history.is_empty());
     }
     // At least a quarter of the problems yield, a quarter are decomposed along an axis other than the last, a tenth
     // relax, and a tenth have interlayers.
-    let kinds = [4 * yielding, 4 * divided, 10 * relaxing, 10 * layered];
+    let kinds = [4 * yielding, 4 * decomposed_count, 10 * relaxing, 10 * layered];
     assert!(count < 40 || kinds.iter().all(|own| *own > count), "{kinds:?}");
 }
 

@@ -28,16 +28,16 @@ fn solids_in_theory(theory: Theory) -> [Isotropic; 2] {
 }
 
 fn check_decompositions<T: SolverReal, const D: usize>(
-    sides: &[[Boundary; 2]; D],
+    boundaries: &[[Boundary; 2]; D],
     cells: [usize; D],
     plastic_step: PlasticStep,
 ) {
-    check_decompositions_of_solids::<T, D>(two_solids(), sides, cells, plastic_step);
+    check_decompositions_of_solids::<T, D>(two_solids(), boundaries, cells, plastic_step);
 }
 
 fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
     [soft, stiff]: [Isotropic; 2],
-    sides: &[[Boundary; 2]; D],
+    boundaries: &[[Boundary; 2]; D],
     cells: [usize; D],
     plastic_step: PlasticStep,
 ) {
@@ -50,21 +50,21 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
     let grid = Grid { cells, spacing: [0.1; D] };
     let step = 1.9 * 0.1 / speed;
     let scheme = Scheme::new(Slopes::Limited, plastic_step);
-    let problem = Problem::new(grid, media.to_vec(), cell_media, sides.clone(), step, scheme);
+    let problem = Problem::new(grid, media.to_vec(), cell_media, boundaries.clone(), step, scheme);
     let mut whole: Domain<T, D> = Domain::new(&problem).expect("sound");
     let values = |index: usize| -> Vec<T> {
         (0..count).map(|cell| T::from_f64(noise((10_000 * index + cell) as u64))).collect()
     };
     let fields = whole.fields().to_vec();
     for (index, &field) in fields.iter().enumerate() {
-        whole.set(field, &values(index));
+        whole.set_field(field, &values(index));
     }
     for _ in 0..30 {
         whole.advance();
     }
     let mut reference: Reference<T, D> = Reference::new(&problem).expect("sound");
     for (index, &field) in fields.iter().enumerate() {
-        reference.set(field, &values(index));
+        reference.set_field(field, &values(index));
     }
     reference.advance(30);
     for &field in &fields {
@@ -80,27 +80,35 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
     // Decompositions along the last axis, along each other axis that is long enough, and along all of these.
     let along =
         |axis: usize, count: usize| std::array::from_fn(|own| if own == axis { count } else { 1 });
-    let long = |axis: &usize| cells[*axis] >= 2 * HALO;
-    let all = std::array::from_fn(|axis| if long(&axis) { 2 } else { 1 });
+    let is_long_enough = |axis: &usize| cells[*axis] >= 2 * HALO;
+    let divided_axes = std::array::from_fn(|axis| if is_long_enough(&axis) { 2 } else { 1 });
     let mut cuts: Vec<[usize; D]> = (1..=3).map(|count| along(D - 1, count)).collect();
-    cuts.extend((0..D - 1).filter(long).map(|axis| along(axis, (cells[axis] / HALO).min(3))));
-    let best = cuts.into_iter().map(|parts| (parts, InstructionSet::widest()));
-    for (parts, set) in best.chain(InstructionSet::available_sets().map(|set| (all, set))) {
-        let mut split: DecomposedDomain<T, D> =
-            DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
-        split.set_instructions(set);
+    cuts.extend(
+        (0..D - 1).filter(is_long_enough).map(|axis| along(axis, (cells[axis] / HALO).min(3))),
+    );
+    let with_widest_set =
+        cuts.into_iter().map(|subdomain_counts| (subdomain_counts, InstructionSet::widest()));
+    for (subdomain_counts, set) in
+        with_widest_set.chain(InstructionSet::available_sets().map(|set| (divided_axes, set)))
+    {
+        let mut decomposed: DecomposedDomain<T, D> =
+            DecomposedDomain::with_subdomains(0, &problem, subdomain_counts).expect("sound");
+        decomposed.set_instructions(set);
         for (index, &field) in fields.iter().enumerate() {
-            split.set(field, &values(index));
+            decomposed.set_field(field, &values(index));
         }
         // In two calls: halos of the first must not affect the second.
-        split.advance(11).expect("threads");
-        split.advance(19).expect("threads");
+        decomposed.advance(11).expect("threads");
+        decomposed.advance(19).expect("threads");
         for &field in &fields {
-            let (found, expected) = (split.values(field), whole.values(field));
-            assert!(to_bits(found) == to_bits(expected), "{parts:?} parts, {set:?}, {field:?}");
+            let (found, expected) = (decomposed.values(field), whole.values(field));
+            assert!(
+                to_bits(found) == to_bits(expected),
+                "{subdomain_counts:?} parts, {set:?}, {field:?}"
+            );
         }
-        assert_eq!(split.energy(), whole.energy());
-        assert_eq!(split.ledger(), whole.ledger());
+        assert_eq!(decomposed.energy(), whole.energy());
+        assert_eq!(decomposed.ledger(), whole.ledger());
     }
 }
 
@@ -121,8 +129,8 @@ fn decompositions_equal_the_whole_domain() {
                     plastic_step,
                 );
             }
-            let sides = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
-            check_decompositions::<f64, 3>(&sides, [5, 4, 12], plastic_step);
+            let boundaries = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
+            check_decompositions::<f64, 3>(&boundaries, [5, 4, 12], plastic_step);
         }
     }
 }
@@ -132,12 +140,12 @@ fn decompositions_equal_the_whole_domain() {
 #[test]
 fn decompositions_equal_the_whole_domain_in_every_theory() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
-    let sides = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
+    let boundaries = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
     for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
             check_decompositions_of_solids::<f64, 3>(
                 solids_in_theory(theory),
-                &sides,
+                &boundaries,
                 [9, 5, 12],
                 plastic_step,
             );
@@ -150,11 +158,11 @@ fn decompositions_equal_the_whole_domain_in_every_theory() {
 #[test]
 fn decompositions_equal_the_whole_domain_in_wide_layers() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
-    let sides = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
-    check_decompositions::<f64, 2>(&sides, [300, 27], PlasticStep::ReturnMapping);
+    let boundaries = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
+    check_decompositions::<f64, 2>(&boundaries, [300, 27], PlasticStep::ReturnMapping);
     for middle in [Boundary::Periodic, Boundary::NonReflecting] {
-        let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
-        check_decompositions::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
+        let boundaries = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
+        check_decompositions::<f64, 3>(&boundaries, [9, 19, 20], PlasticStep::ReturnMapping);
     }
     // Boundary work at the ends of rows and layers that are processed in tiles.
     let open = pair(&Boundary::NonReflecting);
@@ -166,8 +174,8 @@ fn decompositions_equal_the_whole_domain_in_wide_layers() {
     // All layers are processed in tiles of rows; the last tile has fewer rows than the distance by which a sweep trails
     // the previous one.
     for last in [Boundary::Periodic, Boundary::NonReflecting] {
-        let sides = [open.clone(), pair(&Boundary::Free), pair(&last)];
-        check_decompositions::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
+        let boundaries = [open.clone(), pair(&Boundary::Free), pair(&last)];
+        check_decompositions::<f64, 3>(&boundaries, [66, 41, 12], PlasticStep::MidpointReflection);
     }
 }
 
@@ -180,17 +188,17 @@ fn fused_solver_equals_the_reference_around_a_single_cell() {
         let cell_media = (0..count).map(|cell| u16::from(cell == odd)).collect();
         let grid = Grid { cells, spacing: [0.1; D] };
         let step = 1.9 * 0.1 / media.each_ref().map(Medium::max_speed)[1];
-        let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
+        let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-        let problem = Problem::new(grid, media.to_vec(), cell_media, sides, step, scheme);
+        let problem = Problem::new(grid, media.to_vec(), cell_media, boundaries, step, scheme);
         let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
         let mut reference: Reference<f64, D> = Reference::new(&problem).expect("sound");
         let fields = domain.fields().to_vec();
         for (index, &field) in fields.iter().enumerate() {
             let value = |cell| noise((10_000 * index + cell) as u64);
             let values: Vec<f64> = (0..count).map(value).collect();
-            domain.set(field, &values);
-            reference.set(field, &values);
+            domain.set_field(field, &values);
+            reference.set_field(field, &values);
         }
         domain.advance();
         reference.advance(1);
@@ -214,11 +222,11 @@ fn fused_solver_equals_the_reference_around_a_single_cell() {
 #[test]
 fn decompositions_equal_the_whole_domain_in_single_precision() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
-    let sides = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
+    let boundaries = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
     for length in [9, 30, 31, 32, 40] {
         // Small subdomains, and subdomains that make several steps per pass.
-        check_decompositions::<f32, 2>(&sides, [length, 13], PlasticStep::MidpointReflection);
-        check_decompositions::<f32, 2>(&sides, [length, 26], PlasticStep::MidpointReflection);
+        check_decompositions::<f32, 2>(&boundaries, [length, 13], PlasticStep::MidpointReflection);
+        check_decompositions::<f32, 2>(&boundaries, [length, 26], PlasticStep::MidpointReflection);
     }
 }
 
@@ -229,16 +237,16 @@ fn runs_resume_from_snapshots() {
     let set = YieldSet::from(Mises::new_drucker_prager(0.3, 0.2, 0.2));
     let media = media.map(|medium| medium.with_yield_set(set.clone()));
     let grid = Grid { cells: [14, 33], spacing: [0.1, 0.1] };
-    let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let step = 1.9 * 0.1 / media[0].max_speed();
-    let problem = Problem::new(grid, media.to_vec(), vec![0; 462], sides, step, scheme);
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 462], boundaries, step, scheme);
     let start = || {
-        let mut split: DecomposedDomain<f64, 2> =
+        let mut decomposed: DecomposedDomain<f64, 2> =
             DecomposedDomain::new(&problem, 2).expect("sound");
         let values: Vec<f64> = (0..462).map(noise).collect();
-        split.set(SolidField::Velocity(0), &values);
-        split
+        decomposed.set_field(SolidField::Velocity(0), &values);
+        decomposed
     };
     let (mut whole, mut first) = (start(), start());
     whole.advance(40).expect("threads");
@@ -256,7 +264,7 @@ fn runs_resume_from_snapshots() {
     let start = || Reference::<f64, 2>::new(&problem).expect("sound");
     let (mut whole, mut first) = (start(), start());
     for solver in [&mut whole, &mut first] {
-        solver.set(SolidField::Velocity(0), &(0..462).map(noise).collect::<Vec<_>>());
+        solver.set_field(SolidField::Velocity(0), &(0..462).map(noise).collect::<Vec<_>>());
     }
     whole.advance(40);
     first.advance(17);
@@ -280,36 +288,36 @@ fn single_layers_equal_the_reference() {
             [Boundary::Free, Boundary::Fixed],
             [Boundary::Fixed, Boundary::Fixed],
         ] {
-            let sides = [ends.clone(), ends.clone()];
+            let boundaries = [ends.clone(), ends.clone()];
             let (grid, step) = (Grid { cells, spacing: [0.1; 2] }, 0.2 / medium.max_speed());
             let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
             let count = grid.count();
             let problem =
-                Problem::new(grid, vec![medium.clone()], vec![0; count], sides, step, scheme);
-            let (mut split, mut reference) = build_both_solvers(&problem);
-            let start = split.energy().total();
-            split.advance(20).expect("threads");
+                Problem::new(grid, vec![medium.clone()], vec![0; count], boundaries, step, scheme);
+            let (mut decomposed, mut reference) = build_both_solvers(&problem);
+            let start = decomposed.energy().total();
+            decomposed.advance(20).expect("threads");
             reference.advance(20);
-            assert!(split.energy().total() <= start * (1.0 + 1e-13), "{cells:?} {ends:?}");
-            for inflow in [split.ledger().boundary_work, reference.ledger().boundary_work] {
+            assert!(decomposed.energy().total() <= start * (1.0 + 1e-13), "{cells:?} {ends:?}");
+            for inflow in [decomposed.ledger().boundary_work, reference.ledger().boundary_work] {
                 assert!(inflow.abs() < 1e-13 * start, "{cells:?} {ends:?}");
             }
-            assert_eq!(split.snapshot().fields, reference.snapshot().fields);
+            assert_eq!(decomposed.snapshot().fields, reference.snapshot().fields);
         }
     }
 }
 
 /// Creates the fused and the reference solver with the same noise as initial values.
 fn build_both_solvers(problem: &Problem<2>) -> (DecomposedDomain<f64, 2>, Reference<f64, 2>) {
-    let mut split = DecomposedDomain::new(problem, 1).expect("sound");
+    let mut decomposed = DecomposedDomain::new(problem, 1).expect("sound");
     let mut reference = Reference::new(problem).expect("sound");
-    for (index, field) in split.fields().to_vec().into_iter().enumerate() {
+    for (index, field) in decomposed.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| noise((100 * index + cell) as u64);
         let values: Vec<f64> = (0..problem.grid.count()).map(value).collect();
-        split.set(field, &values);
-        reference.set(field, &values);
+        decomposed.set_field(field, &values);
+        reference.set_field(field, &values);
     }
-    (split, reference)
+    (decomposed, reference)
 }
 
 /// Verifies the boundary work in the ledger against the reference solver, for single rows between loaded boundaries.
@@ -320,18 +328,18 @@ fn boundary_work_on_single_layers_equals_the_reference() {
         let grid = Grid { cells, spacing: [0.1; 2] };
         let (count, step) = (grid.count(), 0.2 / medium.max_speed());
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-        let sides = std::array::from_fn(|_| [Boundary::NonReflecting, Boundary::Free]);
+        let boundaries = std::array::from_fn(|_| [Boundary::NonReflecting, Boundary::Free]);
         let media = vec![medium.clone()];
-        let mut problem = Problem::new(grid, media, vec![0; count], sides, step, scheme);
+        let mut problem = Problem::new(grid, media, vec![0; count], boundaries, step, scheme);
         for axis in 0..2 {
             let faces = (0..grid.faces(axis)).map(|face| (face, 0.7)).collect();
             let signal = Arc::new(|time: f64| 1.0 + time);
             problem.loads.push(Load { axis, end: 1, pair: 0, faces, signal });
         }
-        let (mut split, mut reference) = build_both_solvers(&problem);
-        split.advance(20).expect("threads");
+        let (mut decomposed, mut reference) = build_both_solvers(&problem);
+        decomposed.advance(20).expect("threads");
         reference.advance(20);
-        let inflows = [split.ledger().boundary_work, reference.ledger().boundary_work];
+        let inflows = [decomposed.ledger().boundary_work, reference.ledger().boundary_work];
         assert!(
             (inflows[0] - inflows[1]).abs() < 1e-13 * inflows[1].abs(),
             "{cells:?} {inflows:?}"
@@ -343,23 +351,29 @@ fn boundary_work_on_single_layers_equals_the_reference() {
 /// records after each step.
 #[test]
 fn multi_step_passes_equal_single_steps() {
-    check_passes([20, 33], [640, 3, 337, 330, 3]);
+    check_multi_step_passes([20, 33], [640, 3, 337, 330, 3]);
     // In three dimensions a pass makes one step, in tiles of rows.
-    check_passes([66, 50, 17], [56_099, 3, 5_000, 2_700, 3]);
+    check_multi_step_passes([66, 50, 17], [56_099, 3, 5_000, 2_700, 3]);
 }
 
-fn check_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
+fn check_multi_step_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
     let medium = Medium::new(two_solids()[0], D);
     let set = YieldSet::from(Mises::new_von_mises(0.2));
     let medium = medium.with_yield_set(set);
     let step = 1.9 * 0.1 / medium.max_speed();
     for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
         let grid = Grid { cells, spacing: [0.1; D] };
-        let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-        sides[D - 1] = [last.clone(), last];
+        let mut boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+        boundaries[D - 1] = [last.clone(), last];
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-        let mut problem =
-            Problem::new(grid, vec![medium.clone()], vec![0; grid.count()], sides, step, scheme);
+        let mut problem = Problem::new(
+            grid,
+            vec![medium.clone()],
+            vec![0; grid.count()],
+            boundaries,
+            step,
+            scheme,
+        );
         let signal: Signal = Arc::new(move |time: f64| 0.3 * (2.0 * time / step).sin());
         let faces = (5..20).map(|face| (face, 0.7)).collect();
         problem.loads.push(Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() });
@@ -388,20 +402,29 @@ fn check_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
                 _ => 1,
             })
         };
-        for parts in [along(1, 1), along(1, 2), along(1, 3), along(1, 4), along(3, 1), along(2, 2)]
+        for subdomain_counts in
+            [along(1, 1), along(1, 2), along(1, 3), along(1, 4), along(3, 1), along(2, 2)]
         {
-            let mut split: DecomposedDomain<f64, D> =
-                DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
-            split.watch_cells(&watched);
-            split.advance(3).expect("threads");
-            split.advance(18).expect("threads");
-            assert_eq!(split.take_records(), expected, "{parts:?}");
-            let snapshot = split.snapshot();
+            let mut decomposed: DecomposedDomain<f64, D> =
+                DecomposedDomain::with_subdomains(0, &problem, subdomain_counts).expect("sound");
+            decomposed.watch_cells(&watched);
+            decomposed.advance(3).expect("threads");
+            decomposed.advance(18).expect("threads");
+            assert_eq!(decomposed.take_records(), expected, "{subdomain_counts:?}");
+            let snapshot = decomposed.snapshot();
             for (&field, found) in whole.fields().iter().zip(&snapshot.fields) {
-                assert_eq!(*found, whole.values(field).expect("one"), "{parts:?} {field:?}");
+                assert_eq!(
+                    *found,
+                    whole.values(field).expect("one"),
+                    "{subdomain_counts:?} {field:?}"
+                );
             }
-            assert_eq!(split.ledger(), whole.ledger());
-            assert_eq!(*snapshots.get_or_insert(snapshot.clone()), snapshot, "{parts:?}");
+            assert_eq!(decomposed.ledger(), whole.ledger());
+            assert_eq!(
+                *snapshots.get_or_insert(snapshot.clone()),
+                snapshot,
+                "{subdomain_counts:?}"
+            );
         }
     }
 }
@@ -428,67 +451,71 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
     let media = vec![soft.with_yield_set(YieldSet::from(Mises::new_von_mises(0.2))), stiff];
     let grid = Grid { cells, spacing: [0.1; D] };
     let cell_media = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
-    let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    sides[D - 1] = [last.clone(), last];
+    let mut boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    boundaries[D - 1] = [last.clone(), last];
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-    let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+    let problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
     let layer = grid.count() / cells[D - 1];
     // In single precision the values underflow within half of the layers.
     let decay = |i: usize| (-3.5 * (i / layer).abs_diff(from).saturating_sub(flat) as f64).exp();
     let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
 
-    let mut wide: DecomposedDomain<f64, D> = DecomposedDomain::new(&problem, 1).expect("sound");
-    let fields = wide.fields().to_vec();
+    let mut double_precision: DecomposedDomain<f64, D> =
+        DecomposedDomain::new(&problem, 1).expect("sound");
+    let fields = double_precision.fields().to_vec();
     for (index, &field) in fields.iter().enumerate() {
-        wide.set(field, &(0..grid.count()).map(|i| value(index, i)).collect::<Vec<_>>());
+        double_precision
+            .set_field(field, &(0..grid.count()).map(|i| value(index, i)).collect::<Vec<_>>());
     }
-    wide.advance(33).expect("threads");
+    double_precision.advance(33).expect("threads");
 
     let mut reference: Reference<f32, D> = Reference::new(&problem).expect("sound");
     for (index, &field) in fields.iter().enumerate() {
         let values = (0..grid.count()).map(|i| value(index, i) as f32);
-        reference.set(field, &values.collect::<Vec<_>>());
+        reference.set_field(field, &values.collect::<Vec<_>>());
     }
     reference.advance(33);
     let expected: Vec<u64> =
         fields.iter().flat_map(|field| to_bits(reference.values(*field))).collect();
-    for parts in [1, 2, 13] {
+    for subdomain_counts in [1, 2, 13] {
         for instructions in InstructionSet::available_sets() {
-            let mut split: DecomposedDomain<f32, D> =
-                DecomposedDomain::new(&problem, parts).expect("sound");
-            split.set_instructions(instructions);
+            let mut decomposed: DecomposedDomain<f32, D> =
+                DecomposedDomain::new(&problem, subdomain_counts).expect("sound");
+            decomposed.set_instructions(instructions);
             for (index, &field) in fields.iter().enumerate() {
                 let values = (0..grid.count()).map(|i| value(index, i) as f32);
-                split.set(field, &values.collect::<Vec<_>>());
+                decomposed.set_field(field, &values.collect::<Vec<_>>());
             }
-            let small_values = |split: &DecomposedDomain<f32, D>| {
-                let all = fields.iter().filter_map(|field| split.values(*field)).flatten();
-                all.filter(|value| *value != 0.0 && f64::from(value.abs()) < FLUSH_LIMIT).count()
+            let small_values = |decomposed: &DecomposedDomain<f32, D>| {
+                let values = fields.iter().filter_map(|field| decomposed.values(*field)).flatten();
+                values.filter(|value| *value != 0.0 && f64::from(value.abs()) < FLUSH_LIMIT).count()
             };
-            split.advance(15).expect("threads");
-            assert!(small_values(&split) > 0);
-            split.advance(1).expect("threads");
-            assert_eq!(small_values(&split), 0, "{parts} {instructions:?}");
+            decomposed.advance(15).expect("threads");
+            assert!(small_values(&decomposed) > 0);
+            decomposed.advance(1).expect("threads");
+            assert_eq!(small_values(&decomposed), 0, "{subdomain_counts} {instructions:?}");
             // The next flush comes after the first step of a two-step pass, in a restored solver.
-            split.advance(1).expect("threads");
+            decomposed.advance(1).expect("threads");
             let mut other: DecomposedDomain<f32, D> =
-                DecomposedDomain::new(&problem, parts).expect("sound");
+                DecomposedDomain::new(&problem, subdomain_counts).expect("sound");
             other.set_instructions(instructions);
-            assert!(other.restore(&split.snapshot()));
-            let mut split = other;
-            split.advance(14).expect("threads");
-            assert!(small_values(&split) > 0);
-            split.advance(2).expect("threads");
-            assert!(split.ledger().plastic_dissipation > 0.0);
+            assert!(other.restore(&decomposed.snapshot()));
+            let mut decomposed = other;
+            decomposed.advance(14).expect("threads");
+            assert!(small_values(&decomposed) > 0);
+            decomposed.advance(2).expect("threads");
+            assert!(decomposed.ledger().plastic_dissipation > 0.0);
             let mut found = Vec::new();
             for &field in &fields {
-                let values = split.values(field).expect("one");
-                for (found, wide) in values.iter().zip(wide.values(field).expect("one")) {
-                    assert!((f64::from(*found) - wide).abs() < 3e-6, "{field:?} {found} {wide}");
+                let values = decomposed.values(field).expect("one");
+                for (found, exact) in
+                    values.iter().zip(double_precision.values(field).expect("one"))
+                {
+                    assert!((f64::from(*found) - exact).abs() < 3e-6, "{field:?} {found} {exact}");
                 }
                 found.extend(to_bits(Some(values)));
             }
-            assert!(expected == found, "{parts} {instructions:?}");
+            assert!(expected == found, "{subdomain_counts} {instructions:?}");
         }
     }
 }
@@ -497,13 +524,13 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
 /// waiting.
 #[test]
 #[should_panic(expected = "a scoped thread panicked")]
-fn a_panic_does_not_deadlock() {
+fn panic_of_a_thread_does_not_block_the_others() {
     let medium = Medium::new(two_solids()[0], 2);
     let step = 1.9 * 0.1 / medium.max_speed();
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [9, 24], spacing: [0.1; 2] };
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-    let mut problem = Problem::new(grid, vec![medium], vec![0; 216], sides, step, scheme);
+    let mut problem = Problem::new(grid, vec![medium], vec![0; 216], boundaries, step, scheme);
     let has_panicked = AtomicBool::new(false);
     let signal = Arc::new(move |time: f64| {
         assert!(time < 5.0 * step || has_panicked.swap(true, Ordering::Relaxed), "once");
@@ -511,8 +538,9 @@ fn a_panic_does_not_deadlock() {
     });
     let amplitudes = vec![(SolidField::Velocity(1), 0.1)];
     problem.sources.push(Source { cells: vec![(4, 1.0)], amplitudes, signal });
-    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
-    split.advance(40).expect("threads");
+    let mut decomposed: DecomposedDomain<f64, 2> =
+        DecomposedDomain::new(&problem, 2).expect("sound");
+    decomposed.advance(40).expect("threads");
 }
 
 /// Verifies that media given by moduli and by compliances can be combined in one problem: the results do not depend on
@@ -527,16 +555,16 @@ fn media_by_moduli_and_by_compliances_can_be_mixed() {
         let step = 1.9 * 0.1 / speed;
         let grid = Grid { cells: [20, 9], spacing: [0.1; 2] };
         let cell_media = (0..180).map(|cell| (noise(cell) > 0.0) as u16 ^ first as u16).collect();
-        let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
+        let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-        let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
-        let mut split: DecomposedDomain<f64, 2> =
+        let problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
+        let mut decomposed: DecomposedDomain<f64, 2> =
             DecomposedDomain::new(&problem, 1).expect("sound");
-        split.set(SolidField::Velocity(0), &(0..180).map(noise).collect::<Vec<_>>());
-        let start = split.energy().total();
-        split.advance(20).expect("threads");
-        assert!(split.energy().total() < start);
-        split.snapshot().fields
+        decomposed.set_field(SolidField::Velocity(0), &(0..180).map(noise).collect::<Vec<_>>());
+        let start = decomposed.energy().total();
+        decomposed.advance(20).expect("threads");
+        assert!(decomposed.energy().total() < start);
+        decomposed.snapshot().fields
     });
     assert_eq!(fields[0], fields[1]);
 }
@@ -545,12 +573,16 @@ fn media_by_moduli_and_by_compliances_can_be_mixed() {
 fn invalid_decompositions_are_refused() {
     let media = [Medium::new(two_solids()[0], 2)];
     let grid = Grid { cells: [4, 11], spacing: [0.1, 0.1] };
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
-    let problem = Problem::new(grid, media.to_vec(), vec![0; 44], sides, 1e-3, scheme);
-    for (parts, expected) in [(0, true), (3, true), (2, false)] {
-        let made = DecomposedDomain::<f64, 2>::new(&problem, parts);
-        let refused = matches!(made, Err(DomainError::SubdomainCount { axis: 1, actual, cells: 11, .. }) if actual == parts);
-        assert_eq!(refused, expected, "{parts}");
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 44], boundaries, 1e-3, scheme);
+    for (subdomain_count, expected) in [(0, true), (3, true), (2, false)] {
+        let result = DecomposedDomain::<f64, 2>::new(&problem, subdomain_count);
+        let is_refused = matches!(
+            result,
+            Err(DomainError::SubdomainCount { axis: 1, actual, cells: 11, .. })
+                if actual == subdomain_count
+        );
+        assert_eq!(is_refused, expected, "{subdomain_count}");
     }
 }

@@ -30,7 +30,7 @@ fn compute_energy<const D: usize>(
     volume: f64,
 ) -> f64 {
     let unknowns = forms[0].0.unknowns;
-    let places: Vec<usize> = fields
+    let indices: Vec<usize> = fields
         .iter()
         .map(|f| unknowns.iter().position(|u| u.name == unknown_name(*f)).expect("an unknown"))
         .collect();
@@ -38,8 +38,8 @@ fn compute_energy<const D: usize>(
     (0..cell_media.len())
         .map(|cell| {
             let mut state = DVector::zeros(unknowns.len());
-            for (place, values) in places.iter().zip(&values) {
-                state[*place] = values[cell];
+            for (index, values) in indices.iter().zip(&values) {
+                state[*index] = values[cell];
             }
             let form = &forms[usize::from(cell_media[cell])].1;
             0.5 * volume * (state.transpose() * &form.a * &state)[(0, 0)]
@@ -83,7 +83,7 @@ fn ledger_closes_and_energy_does_not_grow() {
             ))
             .expect("a sound domain");
             fill_with_noise(&media[0].fields, cell_media.len(), |field, own| {
-                solver.set(field, own)
+                solver.set_field(field, own)
             });
             let volume = spacing[0] * spacing[1];
             let energy_of = |solver: &Reference<f64, 2>| {
@@ -125,44 +125,45 @@ fn ledger_closes_and_energy_does_not_grow() {
 fn invalid_domains_are_refused() {
     let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
     let grid = Grid { cells: [4, 4], spacing: [0.1, 0.1] };
-    let make = |media: Vec<Medium>, cell_media: Vec<u16>, step: f64, sides: [[Boundary; 2]; 2]| {
-        let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
-        let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
-        Domain::<f64, 2>::new(&problem).map(|_| ())
-    };
+    let create_domain =
+        |media: Vec<Medium>, cell_media: Vec<u16>, step: f64, boundaries: [[Boundary; 2]; 2]| {
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
+            let problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
+            Domain::<f64, 2>::new(&problem).map(|_| ())
+        };
     let free = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    assert_eq!(make(vec![medium.clone()], vec![0; 16], 1e-3, free.clone()), Ok(()));
+    assert_eq!(create_domain(vec![medium.clone()], vec![0; 16], 1e-3, free.clone()), Ok(()));
     assert_eq!(
-        make(vec![medium.clone()], vec![0; 15], 1e-3, free.clone()),
+        create_domain(vec![medium.clone()], vec![0; 15], 1e-3, free.clone()),
         Err(DomainError::CellCount { actual: 15, expected: 16 })
     );
-    assert_eq!(make(Vec::new(), vec![0; 16], 1e-3, free.clone()), Err(DomainError::Media));
-    let other = Medium::new(isotropic(Theory::Cosserat, 1.0), 2);
+    assert_eq!(create_domain(Vec::new(), vec![0; 16], 1e-3, free.clone()), Err(DomainError::Media));
+    let cosserat = Medium::new(isotropic(Theory::Cosserat, 1.0), 2);
     assert_eq!(
-        make(vec![medium.clone(), other], vec![0; 16], 1e-3, free.clone()),
+        create_domain(vec![medium.clone(), cosserat], vec![0; 16], 1e-3, free.clone()),
         Err(DomainError::Media)
     );
     // A medium in the plane on a three-dimensional grid is refused.
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let space = Grid { cells: [2; 3], spacing: [0.1; 3] };
-    let problem = Problem::new(space, vec![medium.clone()], vec![0; 8], sides, 1e-3, scheme);
+    let problem = Problem::new(space, vec![medium.clone()], vec![0; 8], boundaries, 1e-3, scheme);
     assert_eq!(Domain::<f64, 3>::new(&problem).map(|_| ()), Err(DomainError::Media));
     assert!(matches!(
-        make(vec![medium.clone()], vec![1; 16], 1e-3, free.clone()),
+        create_domain(vec![medium.clone()], vec![1; 16], 1e-3, free.clone()),
         Err(DomainError::UnknownMedium { cell: 0, medium: 1, count: 1 })
     ));
     assert!(matches!(
-        make(vec![medium.clone()], vec![0; 16], 1.0, free.clone()),
+        create_domain(vec![medium.clone()], vec![0; 16], 1.0, free.clone()),
         Err(DomainError::Courant { axis: 0, .. })
     ));
-    let half = [[Boundary::Periodic, Boundary::Free], [Boundary::Free, Boundary::Free]];
-    let made = make(vec![medium.clone()], vec![0; 16], 1e-3, half);
-    assert_eq!(made, Err(DomainError::Periodic(0)));
-    let short = Boundary::ByPair(vec![Condition::Traction(0.0)]);
-    let sides = [[Boundary::Free, Boundary::Free], [short, Boundary::Free]];
+    let half_periodic = [[Boundary::Periodic, Boundary::Free], [Boundary::Free, Boundary::Free]];
+    let result = create_domain(vec![medium.clone()], vec![0; 16], 1e-3, half_periodic);
+    assert_eq!(result, Err(DomainError::Periodic(0)));
+    let too_few_conditions = Boundary::ByPair(vec![Condition::Traction(0.0)]);
+    let boundaries = [[Boundary::Free, Boundary::Free], [too_few_conditions, Boundary::Free]];
     assert_eq!(
-        make(vec![medium], vec![0; 16], 1e-3, sides),
+        create_domain(vec![medium], vec![0; 16], 1e-3, boundaries),
         Err(DomainError::ConditionCount { axis: 1, actual: 1, expected: 2 })
     );
 }
@@ -175,30 +176,32 @@ fn half_of_a_symmetric_domain_equals_the_whole() {
             let solid = isotropic(theory, 1.0);
             let medium = Medium::new(solid, 2);
             let step = 1.9 * 0.1 / medium.max_speed();
-            let side = match is_even {
+            let symmetry_boundary = match is_even {
                 true => Boundary::new_symmetry(&medium, 0),
                 false => Boundary::new_antisymmetry(&medium, 0),
             };
             let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
-            let make = |length: usize, first: Boundary| -> Domain<f64, 2> {
+            let create_domain = |length: usize, first: Boundary| -> Domain<f64, 2> {
                 let grid = Grid { cells: [length, 6], spacing: [0.1, 0.1] };
-                let sides = [[first, Boundary::Free], [Boundary::Fixed, Boundary::Free]];
+                let boundaries = [[first, Boundary::Free], [Boundary::Fixed, Boundary::Free]];
                 let media = vec![medium.clone()];
                 let cell_media = vec![0; 6 * length];
-                let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+                let problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
                 Domain::new(&problem).expect("sound")
             };
-            let (mut half, mut whole) = (make(8, side), make(16, Boundary::Free));
+            let (mut half, mut whole) =
+                (create_domain(8, symmetry_boundary), create_domain(16, Boundary::Free));
             for (index, field) in half.fields().to_vec().into_iter().enumerate() {
                 // Parity under x₁ → −x₁ of vectors, axial vectors and their stresses.
-                let ones = |indices: &[usize]| indices.iter().filter(|&&i| i == 0).count() % 2;
+                let count_normal_indices =
+                    |indices: &[usize]| indices.iter().filter(|&&i| i == 0).count() % 2;
                 let is_odd = match field {
-                    SolidField::Velocity(i) => ones(&[i]) == 1,
-                    SolidField::Spin(k) => ones(&[k]) == 0,
+                    SolidField::Velocity(i) => count_normal_indices(&[i]) == 1,
+                    SolidField::Spin(k) => count_normal_indices(&[k]) == 0,
                     SolidField::Stress(i, j) | SolidField::ViscousStrain(i, j) => {
-                        ones(&[i, j]) == 1
+                        count_normal_indices(&[i, j]) == 1
                     }
-                    SolidField::Couple(k, j) => ones(&[k, j]) == 0,
+                    SolidField::Couple(k, j) => count_normal_indices(&[k, j]) == 0,
                 };
                 let sign = if is_odd == is_even { -1.0 } else { 1.0 };
                 let mut values = [vec![0.0; 48], vec![0.0; 96]];
@@ -210,8 +213,8 @@ fn half_of_a_symmetric_domain_equals_the_whole() {
                         values[1][16 * row + 7 - column] = sign * value;
                     }
                 }
-                half.set(field, &values[0]);
-                whole.set(field, &values[1]);
+                half.set_field(field, &values[0]);
+                whole.set_field(field, &values[1]);
             }
             for _ in 0..25 {
                 half.advance();
@@ -243,11 +246,12 @@ fn pushed_bar_has_the_exact_front() {
         [(Condition::Velocity(0.3), 0.3, -0.3 * z), (Condition::Traction(-0.7), 0.7 / z, -0.7)]
     {
         let push = Boundary::ByPair(vec![condition, Condition::Traction(0.0)]);
-        let sides = [[push, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
+        let boundaries = [[push, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
         let grid = Grid { cells: [40, 1], spacing: [0.1, 0.1] };
         let (scheme, step) =
             (Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection), 2.0 * 0.1 / c);
-        let problem = Problem::new(grid, vec![medium.clone()], vec![0; 40], sides, step, scheme);
+        let problem =
+            Problem::new(grid, vec![medium.clone()], vec![0; 40], boundaries, step, scheme);
         let mut domain: Reference<f64, 2> = Reference::new(&problem).expect("sound");
         domain.advance(15);
         let ledger = domain.ledger();
@@ -284,13 +288,13 @@ fn uniform_rotation_has_the_natural_frequency() {
     let medium = Medium::new(solid, 2);
     let spacing = 0.5;
     let step = 2.0 * spacing / medium.max_speed();
-    let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let grid = Grid { cells: [4, 4], spacing: [spacing; 2] };
     let mut domain: Domain<f64, 2> =
-        Domain::new(&Problem::new(grid, vec![medium], vec![0; 16], sides, step, scheme))
+        Domain::new(&Problem::new(grid, vec![medium], vec![0; 16], boundaries, step, scheme))
             .expect("sound");
-    domain.set(SolidField::Spin(2), &[1.0; 16]);
+    domain.set_field(SolidField::Spin(2), &[1.0; 16]);
     let steps = (1000.0 / 194.2009 / step).round() as usize;
     // Each change of sign from + to − ends a period; its time within the step is interpolated with arccos.
     let (mut ends, mut last) = (Vec::new(), 1.0);
@@ -315,15 +319,15 @@ fn uniform_rotation_has_the_natural_frequency() {
 #[test]
 fn energy_does_not_grow_over_many_steps() {
     for theory in THEORIES {
-        for sides in [Boundary::Periodic, Boundary::Fixed, Boundary::Free] {
+        for boundary in [Boundary::Periodic, Boundary::Fixed, Boundary::Free] {
             let medium = Medium::new(isotropic(theory, 1.0), 2);
             let step = 2.0 * 0.1 / medium.max_speed();
             let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
             let grid = Grid { cells: [7, 6], spacing: [0.1, 0.1] };
-            let all = std::array::from_fn(|_| [sides.clone(), sides.clone()]);
-            let problem = Problem::new(grid, vec![medium], vec![0; 42], all, step, scheme);
+            let boundaries = std::array::from_fn(|_| [boundary.clone(), boundary.clone()]);
+            let problem = Problem::new(grid, vec![medium], vec![0; 42], boundaries, step, scheme);
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-            fill_with_noise(&problem.fields(), 42, |field, own| domain.set(field, own));
+            fill_with_noise(&problem.fields(), 42, |field, own| domain.set_field(field, own));
             let equations = rate_equations::<2>(&isotropic(theory, 1.0));
             let forms = [(equations.clone(), equations.symmetric_form().expect("elastic"))];
             let energy_of = |domain: &Domain<f64, 2>| {
@@ -335,7 +339,7 @@ fn energy_does_not_grow_over_many_steps() {
                     domain.advance();
                 }
                 let now = energy_of(&domain);
-                assert!(now <= last * (1.0 + 1e-12), "{theory:?} {sides:?}: {now} after {last}");
+                assert!(now <= last * (1.0 + 1e-12), "{theory:?} {boundary:?}: {now} after {last}");
                 last = now;
             }
         }

@@ -51,7 +51,7 @@ fn interlayer_yield_set() -> YieldSet {
 }
 
 /// Returns a plane solid with cubic symmetry.
-fn cubic_medium() -> Medium {
+fn build_cubic_medium() -> Medium {
     Medium::new(cubic_compliances(), 2)
 }
 
@@ -69,8 +69,8 @@ fn random_media(random: &mut NoiseSequence, dimensions: usize) -> Vec<Medium> {
         4 => vec![classical(1.0).with_yield_set(cone_yield_set())],
         5 => vec![cosserat(1.0).with_yield_set(cone_yield_set())],
         6 => vec![Medium::new(reduced, dimensions)],
-        7 => vec![cubic_medium()],
-        8 => vec![cubic_medium(), cosserat(1.0).with_yield_set(interlayer_yield_set())],
+        7 => vec![build_cubic_medium()],
+        8 => vec![build_cubic_medium(), cosserat(1.0).with_yield_set(interlayer_yield_set())],
         _ => vec![cosserat(1.0).with_yield_set(interlayer_yield_set())],
     }
 }
@@ -99,8 +99,8 @@ fn random_boundary(random: &mut NoiseSequence, medium: &Medium, axis: usize) -> 
 fn random_domain<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>, String) {
     let mut random = NoiseSequence::new((number as u64) << 40);
     let media = random_media(&mut random, D);
-    let most = if D == 2 { 24 } else { 12 };
-    let cells = std::array::from_fn(|_| [1, 2, 3, 5, most][random.uniform_index(5)]);
+    let max_cells = if D == 2 { 24 } else { 12 };
+    let cells = std::array::from_fn(|_| [1, 2, 3, 5, max_cells][random.uniform_index(5)]);
     let grid =
         Grid { cells, spacing: std::array::from_fn(|_| [0.1, 0.13][random.uniform_index(2)]) };
     let boundaries = std::array::from_fn(|axis| match random.uniform_index(6) {
@@ -134,7 +134,7 @@ fn random_domain<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>,
             })
             .map(T::from_f64)
             .collect();
-        domain.set(field, &values);
+        domain.set_field(field, &values);
     }
     (domain, description)
 }
@@ -148,7 +148,7 @@ fn check_energy_never_grows<T: SolverReal, const D: usize>(
         let (mut domain, description) = random_domain::<T, D>(number);
         // Stresses beyond the yield set are mapped back onto it in the first step.
         let mut before = domain.energy().total();
-        let most = before * (1.0 + growth);
+        let max_energy = before * (1.0 + growth);
         for step in 0..steps {
             domain.advance();
             let now = domain.energy().total();
@@ -156,7 +156,7 @@ fn check_energy_never_grows<T: SolverReal, const D: usize>(
                 now <= before * (1.0 + growth),
                 "{description}: {now:e} after {before:e} in step {step}"
             );
-            assert!(now <= most, "{description}: {now:e} of {most:e} in step {step}");
+            assert!(now <= max_energy, "{description}: {now:e} of {max_energy:e} in step {step}");
             before = now;
             // Below this limit the admissible growth is subnormal: the run ends.
             if now < f64::MIN_POSITIVE / growth {
@@ -203,14 +203,14 @@ struct LineDomain {
 }
 
 impl LineDomain {
-    fn new(cells: usize, courant: f64, sides: [Boundary; 2]) -> Self {
+    fn new(cells: usize, courant: f64, boundaries: [Boundary; 2]) -> Self {
         let medium = Medium::new(classical(1.0), 2);
         let step = 2.0 * courant * 0.1 / medium.max_speed();
         let grid = Grid { cells: [cells, 1], spacing: [0.1; 2] };
         let periodic = [Boundary::Periodic, Boundary::Periodic];
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let problem =
-            Problem::new(grid, vec![medium], vec![0; cells], [sides, periodic], step, scheme);
+            Problem::new(grid, vec![medium], vec![0; cells], [boundaries, periodic], step, scheme);
         Self { domain: Domain::new(&problem).expect("sound"), zero_values: vec![0.0; cells] }
     }
 
@@ -219,13 +219,13 @@ impl LineDomain {
     fn energy_growth(&mut self, state: &[f64]) -> f64 {
         let cells = self.zero_values.len();
         for (index, field) in self.domain.fields().to_vec().into_iter().enumerate() {
-            let own = match index {
+            let values = match index {
                 0 => &state[..cells],
                 // Field 2 is σ₁₁, after the two velocities; all fields other than v₁ and σ₁₁ are zero.
                 2 => &state[cells..2 * cells],
                 _ => &self.zero_values[..],
             };
-            self.domain.set(field, own);
+            self.domain.set_field(field, values);
         }
         let before = self.domain.energy().total();
         self.domain.advance();
@@ -242,21 +242,21 @@ fn maximise_growth(
     mut growth: impl FnMut(&[f64]) -> f64,
 ) -> f64 {
     let mut state: Vec<f64> = (0..count).map(|_| random.uniform_symmetric()).collect();
-    let mut best = growth(&state);
+    let mut max_growth = growth(&state);
     for _ in 0..trials {
         let size = 10f64.powf(-2.0 + 2.0 * random.uniform_symmetric());
-        let mut other = state.clone();
-        for value in &mut other {
+        let mut candidate = state.clone();
+        for value in &mut candidate {
             if random.uniform_index(3) == 0 {
                 *value += size * random.uniform_symmetric();
             }
         }
-        let own = growth(&other);
-        if own > best {
-            (state, best) = (other, own);
+        let candidate_growth = growth(&candidate);
+        if candidate_growth > max_growth {
+            (state, max_growth) = (candidate, candidate_growth);
         }
     }
-    best
+    max_growth
 }
 
 #[test]
@@ -268,12 +268,12 @@ fn no_state_next_to_a_boundary_gains_energy() {
             for kind in &kinds {
                 let mut line = LineDomain::new(cells, courant, [kind.clone(), kind.clone()]);
                 for _ in 0..3 {
-                    let most = maximise_growth(&mut random, 2 * cells, 1500, |state| {
+                    let max_growth = maximise_growth(&mut random, 2 * cells, 1500, |state| {
                         line.energy_growth(state)
                     });
                     assert!(
-                        most <= MAX_GROWTH,
-                        "{kind:?}, {cells} cells, Courant {courant}: {most:e}"
+                        max_growth <= MAX_GROWTH,
+                        "{kind:?}, {cells} cells, Courant {courant}: {max_growth:e}"
                     );
                 }
             }
@@ -294,7 +294,7 @@ fn no_state_next_to_an_interface_gains_energy() {
                 [CellConstants::new(1.0, courant[0]), CellConstants::new(ratio, courant[1])];
             for line in lines {
                 let count = line.len();
-                let at = |i: isize| {
+                let image_cell = |i: isize| {
                     let last = count as isize - 1;
                     // Index of the image cell, and signs of its velocity and stress.
                     match i {
@@ -303,19 +303,20 @@ fn no_state_next_to_an_interface_gains_energy() {
                         i => (i as usize, 1.0, 1.0),
                     }
                 };
-                let places: Vec<_> =
-                    (0..count + 2 * GHOSTS).map(|i| at(i as isize - GHOSTS as isize)).collect();
+                let images: Vec<_> = (0..count + 2 * GHOSTS)
+                    .map(|i| image_cell(i as isize - GHOSTS as isize))
+                    .collect();
                 let cells: Vec<CellConstants<f64>> =
-                    places.iter().map(|own| media[line[own.0]]).collect();
+                    images.iter().map(|own| media[line[own.0]]).collect();
                 let growth = |state: &[f64]| {
                     let impedance = |place: usize| cells[GHOSTS + place].impedance;
                     // Amplitudes are scaled so that equal entries of `state` give all cells equal energies.
                     let size = |place: usize| cells[GHOSTS + place].courant().sqrt();
-                    let mut velocity: Vec<f64> = places
+                    let mut velocity: Vec<f64> = images
                         .iter()
                         .map(|&(i, sign, _)| sign * size(i) * state[i] / impedance(i).sqrt())
                         .collect();
-                    let mut stress: Vec<f64> = places
+                    let mut stress: Vec<f64> = images
                         .iter()
                         .map(|&(i, _, sign)| {
                             sign * size(i) * state[count + i] * impedance(i).sqrt()
@@ -325,8 +326,11 @@ fn no_state_next_to_an_interface_gains_energy() {
                     sweep(&mut velocity, &mut stress, &cells, Slopes::Limited, None);
                     energy(&velocity, &stress, &cells) / before - 1.0
                 };
-                let most = maximise_growth(&mut random, 2 * count, 3000, growth);
-                assert!(most <= MAX_GROWTH, "z {ratio}, Courant {courant:?}, {line:?}: {most:e}");
+                let max_growth = maximise_growth(&mut random, 2 * count, 3000, growth);
+                assert!(
+                    max_growth <= MAX_GROWTH,
+                    "z {ratio}, Courant {courant:?}, {line:?}: {max_growth:e}"
+                );
             }
         }
     }

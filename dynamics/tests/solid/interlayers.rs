@@ -14,7 +14,7 @@ use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, Slopes, SweepAccoun
 
 type LineInterlayer = Interlayer<f64, ElasticLayer<f64, 1>>;
 
-/// Energy of an interlayer, J/m².
+/// Computes the energy of an interlayer, J/m².
 fn layer_energy(own: &LineInterlayer) -> f64 {
     own.law.energy(&own.history).total()
 }
@@ -55,16 +55,17 @@ impl InterlayerLine {
     /// Advances the line by one step and returns the power dissipated by the sweep in the cells, W/m².
     fn advance(&mut self, slopes: Slopes, step: f64) -> f64 {
         let count = self.cells.len();
-        let place = |i: usize| (i + count - GHOSTS) % count;
-        let places: Vec<usize> = (0..count + 2 * GHOSTS).map(place).collect();
-        let mut velocity: Vec<f64> = places.iter().map(|&i| self.velocity[i]).collect();
-        let mut stress: Vec<f64> = places.iter().map(|&i| self.stress[i]).collect();
-        let cells: Vec<CellConstants<f64>> = places.iter().map(|&i| self.cells[i]).collect();
+        let periodic_index = |i: usize| (i + count - GHOSTS) % count;
+        let periodic_indices: Vec<usize> = (0..count + 2 * GHOSTS).map(periodic_index).collect();
+        let mut velocity: Vec<f64> = periodic_indices.iter().map(|&i| self.velocity[i]).collect();
+        let mut stress: Vec<f64> = periodic_indices.iter().map(|&i| self.stress[i]).collect();
+        let cells: Vec<CellConstants<f64>> =
+            periodic_indices.iter().map(|&i| self.cells[i]).collect();
         // Interlayers at ghosts and at the upper end are periodic copies.
         let mut layers: Vec<LineInterlayer> = (0..count + 2 * GHOSTS)
             .filter_map(|i| {
-                let own = self.layers.iter().find(|own| own.upper_cell == place(i))?;
-                Some(Interlayer { upper_cell: i, ..own.clone() })
+                let source = self.layers.iter().find(|own| own.upper_cell == periodic_index(i))?;
+                Some(Interlayer { upper_cell: i, ..source.clone() })
             })
             .collect();
         let mut accounts = vec![SweepAccount::default(); count];
@@ -75,12 +76,12 @@ impl InterlayerLine {
             accounts: Some(&mut accounts),
         };
         sweep_with_interlayers([line], slopes, &mut layers, &Interval { end: 1.0, step });
-        let inside = GHOSTS..GHOSTS + count;
-        self.velocity.copy_from_slice(&velocity[inside.clone()]);
-        self.stress.copy_from_slice(&stress[inside.clone()]);
-        for own in &mut self.layers {
-            let moved = layers.iter().find(|moved| moved.upper_cell == own.upper_cell + GHOSTS);
-            own.history = moved.expect("it is inside").history.clone();
+        let interior = GHOSTS..GHOSTS + count;
+        self.velocity.copy_from_slice(&velocity[interior.clone()]);
+        self.stress.copy_from_slice(&stress[interior.clone()]);
+        for layer in &mut self.layers {
+            let advanced = layers.iter().find(|own| own.upper_cell == layer.upper_cell + GHOSTS);
+            layer.history = advanced.expect("it is inside").history.clone();
         }
         accounts.iter().sum::<SweepAccount>().dissipation
     }
@@ -104,7 +105,7 @@ impl InterlayerLine {
 #[test]
 fn steps_at_courant_number_one_equal_a_dense_solution() {
     let mut random = CongruentialGenerator::new(1);
-    let mut worst = 0.0f64;
+    let mut max_error = 0.0f64;
     for _ in 0..20 {
         let impedance = [random.log10_uniform(-1.0, 1.0), random.log10_uniform(-1.0, 1.0)];
         let step = random.log10_uniform(-1.0, 1.0);
@@ -123,7 +124,7 @@ fn steps_at_courant_number_one_equal_a_dense_solution() {
                 (random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
         }
         let (mut v, mut s) = (line.velocity.clone(), line.stress.clone());
-        let mut memory = [[0.0; 2]; 2];
+        let mut layer_states = [[0.0; 2]; 2];
         for number in 0..500 {
             let slopes = ALL_SLOPES[number % 3];
             // Unknowns of each interlayer: v⁻, v⁺, σ⁻, σ⁺ on its lower and upper face, and its velocity V and stress S
@@ -131,13 +132,13 @@ fn steps_at_courant_number_one_equal_a_dense_solution() {
             let mut matrix = DMatrix::zeros(12, 12);
             let mut right = DVector::zeros(12);
             for face in 0..2 {
-                let (behind, first) = (6 * face, 6 * face);
-                let before = (behind + count - 1) % count;
+                let (above, first) = (6 * face, 6 * face);
+                let below = (above + count - 1) % count;
                 let (mass, compliance) = (laws[face].mass.mass, laws[face].compliance);
-                let [velocity, stress] = memory[face];
+                let [velocity, stress] = layer_states[face];
                 let equations: [(&[(usize, f64)], f64); 6] = [
-                    (&[(0, z(before)), (2, -1.0)], z(before) * v[before] - s[before]),
-                    (&[(1, z(behind)), (3, 1.0)], z(behind) * v[behind] + s[behind]),
+                    (&[(0, z(below)), (2, -1.0)], z(below) * v[below] - s[below]),
+                    (&[(1, z(above)), (3, 1.0)], z(above) * v[above] + s[above]),
                     (&[(0, 1.0), (1, 1.0), (4, -1.0)], velocity),
                     (&[(2, 1.0), (3, 1.0), (5, -1.0)], stress),
                     (&[(2, 1.0), (3, -1.0), (4, mass / step)], mass / step * velocity),
@@ -165,22 +166,22 @@ fn steps_at_courant_number_one_equal_a_dense_solution() {
                 };
                 (v[i], s[i]) = (0.5 * (to_left - to_right) / z(i), 0.5 * (to_left + to_right));
             }
-            memory = [[solved[4], solved[5]], [solved[10], solved[11]]];
+            layer_states = [[solved[4], solved[5]], [solved[10], solved[11]]];
             line.advance(slopes, step);
             for i in 0..count {
-                worst = worst.max((v[i] - line.velocity[i]).abs() * z(i).sqrt());
-                worst = worst.max((s[i] - line.stress[i]).abs() / z(i).sqrt());
+                max_error = max_error.max((v[i] - line.velocity[i]).abs() * z(i).sqrt());
+                max_error = max_error.max((s[i] - line.stress[i]).abs() / z(i).sqrt());
             }
-            for (own, memory) in line.layers.iter().zip(memory) {
+            for (own, states) in line.layers.iter().zip(layer_states) {
                 let law = own.law.components[0];
                 let [mass, compliance] = [law.mass.mass / step, law.compliance / step];
-                worst = worst.max((memory[0] - own.history[0]).abs() * mass.sqrt());
-                worst = worst.max((memory[1] - own.history[2]).abs() * compliance.sqrt());
+                max_error = max_error.max((states[0] - own.history[0]).abs() * mass.sqrt());
+                max_error = max_error.max((states[1] - own.history[2]).abs() * compliance.sqrt());
             }
         }
     }
-    println!("{worst:e}");
-    assert!(worst < 1e-12, "{worst:e}");
+    println!("{max_error:e}");
+    assert!(max_error < 1e-12, "{max_error:e}");
 }
 
 /// Computes the largest deviation of a mode of a chain from e^{iωt} over `steps` steps, relative to its amplitude.
@@ -195,20 +196,21 @@ fn mode_error(chain: &BlockChain, frequency: f64, phase: f64, steps: usize) -> f
     for (own, [v, s]) in line.layers.iter_mut().zip(start.layers) {
         own.history = vec![v, 0.0, s];
     }
-    let mut worst = 0.0f64;
+    let mut max_deviation = 0.0f64;
     for number in 1..=steps {
         line.advance(Slopes::FourthOrder, chain.step);
         let state = mode.state(number);
         for i in 0..state.velocity.len() {
-            worst = worst.max((state.stress[i] - line.stress[i]).abs());
-            worst = worst.max((state.velocity[i] - line.velocity[i]).abs() * chain.z);
+            max_deviation = max_deviation.max((state.stress[i] - line.stress[i]).abs());
+            max_deviation =
+                max_deviation.max((state.velocity[i] - line.velocity[i]).abs() * chain.z);
         }
         for (own, layer) in line.layers.iter().zip(state.layers) {
-            worst = worst.max((own.history[0] - layer[0]).abs() * chain.z);
-            worst = worst.max((own.history[2] - layer[1]).abs());
+            max_deviation = max_deviation.max((own.history[0] - layer[0]).abs() * chain.z);
+            max_deviation = max_deviation.max((own.history[2] - layer[1]).abs());
         }
     }
-    worst / mode.amplitude()
+    max_deviation / mode.amplitude()
 }
 
 /// Verifies that modes of a chain oscillate as e^{iωt} with ω of the Bloch relation, band edges included.
@@ -234,19 +236,19 @@ fn random_line(random: &mut CongruentialGenerator, count: usize) -> (InterlayerL
     let step = random.log10_uniform(-1.0, 1.0);
     let mut cells: Vec<CellConstants<f64>> = Vec::new();
     while cells.len() < count {
-        let own = CellConstants::with_interfaces(
+        let cell = CellConstants::with_interfaces(
             random.log10_uniform(-1.0, 1.0),
             random.uniform(0.0, 1.0).max(1e-3),
         );
         let length = random.uniform(1.0, 6.0) as usize;
-        cells.extend(vec![own; length.min(count - cells.len())]);
+        cells.extend(vec![cell; length.min(count - cells.len())]);
     }
     let mut layers = Vec::new();
-    let mut place = random.uniform(0.0, 3.0) as usize;
-    while place < count {
+    let mut upper_cell = random.uniform(0.0, 3.0) as usize;
+    while upper_cell < count {
         let [mass, compliance] = [0; 2].map(|_| step * random.log10_uniform(-3.0, 3.0));
-        layers.push((place, elastic_component(mass, compliance)));
-        place += random.uniform(1.0, 7.0) as usize;
+        layers.push((upper_cell, elastic_component(mass, compliance)));
+        upper_cell += random.uniform(1.0, 7.0) as usize;
     }
     let mut line = InterlayerLine::new_at_rest(cells, &layers);
     for i in 0..count {
@@ -254,9 +256,9 @@ fn random_line(random: &mut CongruentialGenerator, count: usize) -> (InterlayerL
         line.velocity[i] = random.uniform(-1.0, 1.0) / z.sqrt();
         line.stress[i] = random.uniform(-1.0, 1.0) * z.sqrt();
     }
-    for own in &mut line.layers {
+    for layer in &mut line.layers {
         let [v, s] = [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)];
-        own.history = vec![v, 0.0, s];
+        layer.history = vec![v, 0.0, s];
     }
     (line, step)
 }
@@ -264,7 +266,7 @@ fn random_line(random: &mut CongruentialGenerator, count: usize) -> (InterlayerL
 /// Verifies that the energy of cells and interlayers changes by minus the dissipation of the cells, over 20,000 steps
 /// between unequal impedances.
 #[test]
-fn the_ledger_of_a_line_closes() {
+fn ledger_of_a_line_closes() {
     let mut random = CongruentialGenerator::new(3);
     for slopes in ALL_SLOPES {
         let (mut line, step) = random_line(&mut random, 24);
@@ -273,23 +275,25 @@ fn the_ledger_of_a_line_closes() {
             *cell = CellConstants::new(cell.impedance, 1.0);
         }
         let start = line.total_energy(step);
-        let (mut worst, mut exchanged) = (0.0f64, 0.0);
-        let of_layers = |line: &InterlayerLine| line.layers.iter().map(layer_energy).sum::<f64>();
+        let (mut max_residual, mut exchanged_energy) = (0.0f64, 0.0);
+        let layer_energies =
+            |line: &InterlayerLine| line.layers.iter().map(layer_energy).sum::<f64>();
         for _ in 0..20_000 {
-            let (before, in_layers) = (line.total_energy(step), of_layers(&line));
+            let (before, initial_layer_energy) = (line.total_energy(step), layer_energies(&line));
             let dissipated = step * line.advance(slopes, step);
-            worst = worst.max((line.total_energy(step) - before + dissipated).abs() / start);
-            exchanged += (of_layers(&line) - in_layers).abs();
+            max_residual =
+                max_residual.max((line.total_energy(step) - before + dissipated).abs() / start);
+            exchanged_energy += (layer_energies(&line) - initial_layer_energy).abs();
         }
-        println!("{slopes:?}: {worst:e} in a step, {exchanged} of {start} exchanged");
-        assert!(worst < 1e-14, "{worst:e}");
+        println!("{slopes:?}: {max_residual:e} in a step, {exchanged_energy} of {start} exchanged");
+        assert!(max_residual < 1e-14, "{max_residual:e}");
         assert!((line.total_energy(step) / start - 1.0).abs() < 1e-11);
-        assert!(exchanged > 10.0 * start);
+        assert!(exchanged_energy > 10.0 * start);
     }
 }
 
 #[test]
-fn the_ledger_of_a_line_closes_at_all_courant_numbers() {
+fn ledger_of_a_line_closes_at_all_courant_numbers() {
     let mut random = CongruentialGenerator::new(4);
     for number in 0..600 {
         let (mut line, step) = random_line(&mut random, 24);
@@ -304,7 +308,7 @@ fn the_ledger_of_a_line_closes_at_all_courant_numbers() {
 }
 
 #[test]
-fn energy_never_grows() {
+fn energy_of_a_line_never_grows() {
     let mut random = CongruentialGenerator::new(5);
     for number in 0..3000 {
         let (mut line, step) = random_line(&mut random, 30);
@@ -330,18 +334,18 @@ fn velocity_step_through_an_interlayer_converges_at_second_order() {
     let error = |count: usize| {
         let time = 2.0;
         let step = time / count as f64;
-        let (mut memory, mut worst) = ([0.0; 3], 0.0f64);
+        let (mut history, mut max_error) = ([0.0; 3], 0.0f64);
         for i in 0..count {
             // Right-going wave with v = v₀ = 1: σ = −z v.
             let incoming = RiemannData { impedance: [z; 2], invariant: [2.0 * z, 0.0] };
-            let FaceState { velocity, .. } = law.advance(incoming, step, &mut memory)[1];
+            let FaceState { velocity, .. } = law.advance(incoming, step, &mut history)[1];
             let times = [i, i + 1].map(|i| i as f64 * step);
             let exact = 1.0
                 - mean(2.0 * z / law.mass.mass, times)
                 - mean(2.0 / (law.compliance * z), times);
-            worst = worst.max((velocity - exact).abs());
+            max_error = max_error.max((velocity - exact).abs());
         }
-        worst
+        max_error
     };
     let errors = [100, 200, 400, 800].map(error);
     println!("{errors:?}");
@@ -356,10 +360,10 @@ fn velocity_step_through_an_interlayer_converges_at_second_order() {
 fn pulse_through_an_interlayer_converges() {
     let (z, law) = (1.3f64, elastic_component(0.21, 0.07));
     // Transmission coefficient for e^{iωt}: z′ = √(m/C), ψ = 2 arctan ½ω√(mC).
-    let own = (law.mass.mass / law.compliance).sqrt();
+    let layer_impedance = (law.mass.mass / law.compliance).sqrt();
     let transmitted = |frequency: f64| {
         let psi = 2.0 * (0.5 * frequency * (law.mass.mass * law.compliance).sqrt()).atan();
-        let i = Complex::new(0.0, 0.5 * (z / own + own / z) * psi.sin());
+        let i = Complex::new(0.0, 0.5 * (z / layer_impedance + layer_impedance / z) * psi.sin());
         (Complex::from(psi.cos()) + i).inv()
     };
     // Ring of length 4 with c = 1: a right-going pulse centred at 1.4, the interlayer at 2. The run ends before any
@@ -371,11 +375,11 @@ fn pulse_through_an_interlayer_converges() {
         let cells = vec![CellConstants::with_interfaces(z, step / h); count];
         let mut line = InterlayerLine::new_at_rest(cells, &[(count / 2, law)]);
         // Pulse cos⁸ πx of width 1.
-        let bump = |x: f64| if x.abs() < 0.5 { (PI * x).cos().powi(8) } else { 0.0 };
+        let pulse_shape = |x: f64| if x.abs() < 0.5 { (PI * x).cos().powi(8) } else { 0.0 };
         for i in 0..count {
             let x = (i as f64 + 0.5) * h - 1.4;
-            line.velocity[i] = bump(x) / z;
-            line.stress[i] = -bump(x);
+            line.velocity[i] = pulse_shape(x) / z;
+            line.stress[i] = -pulse_shape(x);
         }
         for _ in 0..steps as usize {
             line.advance(slopes, step);
@@ -387,7 +391,7 @@ fn pulse_through_an_interlayer_converges() {
             let sum: Complex<f64> = (0..points)
                 .map(|i| {
                     let t = 4.0 * (f64::from(i) + 0.5) / f64::from(points) - 2.0;
-                    Complex::from_polar(bump(t), -0.5 * PI * f64::from(k) * t)
+                    Complex::from_polar(pulse_shape(t), -0.5 * PI * f64::from(k) * t)
                 })
                 .sum();
             sum / f64::from(points)
@@ -402,16 +406,16 @@ fn pulse_through_an_interlayer_converges() {
                 .map(|&(k, c)| (c * Complex::from_polar(1.0, 0.5 * PI * f64::from(k) * x)).re)
                 .sum()
         };
-        let mut total = 0.0;
+        let mut total_error = 0.0;
         for i in count / 2..count {
             let x = (i as f64 + 0.5) * h;
             // Time minus travel time from the initial pulse centre at 1.4.
-            total += h * (z * line.velocity[i] - exact(1.5 + 1.4 - x)).abs();
+            total_error += h * (z * line.velocity[i] - exact(1.5 + 1.4 - x)).abs();
         }
-        total
+        total_error
     };
     // The interlayer law is second-order accurate; lower-order reconstruction next to it hardly affects smooth waves.
-    for (slopes, courant, least) in [
+    for (slopes, courant, min_order) in [
         (Slopes::Godunov, 1.0, 1.9),
         (Slopes::FourthOrder, 0.5, 1.8),
         (Slopes::Limited, 0.5, 1.8),
@@ -420,6 +424,6 @@ fn pulse_through_an_interlayer_converges() {
         let errors = [200, 400, 800].map(|count| error(count, courant, slopes));
         let order = (errors[1] / errors[2]).log2();
         println!("{slopes:?}, C = {courant}: {errors:?}, order {order}");
-        assert!(order > least, "order {order}");
+        assert!(order > min_order, "order {order}");
     }
 }

@@ -48,7 +48,7 @@ fn noise_fields(fields: &[SolidField], cells: usize) -> Vec<(SolidField, Vec<f64
 
 fn fill_with_noise<const D: usize>(domain: &mut Domain<f64, D>) {
     for (field, values) in noise_fields(domain.fields(), domain.grid().count()) {
-        domain.set(field, &values);
+        domain.set_field(field, &values);
     }
 }
 
@@ -67,7 +67,7 @@ fn problem_with_all_loads(theory: Theory, set: YieldSet, plastic_step: PlasticSt
         _ => Condition::NonReflecting,
     };
     let left = Boundary::ByFace((0..pairs).map(|_| (0..10).map(mixed).collect()).collect());
-    let sides = [[left, Boundary::NonReflecting], [Boundary::Fixed, Boundary::Free]];
+    let boundaries = [[left, Boundary::NonReflecting], [Boundary::Fixed, Boundary::Free]];
     let step = 2.0 * 0.1 / media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     let scheme = Scheme::new(Slopes::Limited, plastic_step);
     let load = |axis: usize, end: usize, pair: usize, frequency: f64| Load {
@@ -99,7 +99,7 @@ fn problem_with_all_loads(theory: Theory, set: YieldSet, plastic_step: PlasticSt
         sources: vec![source],
         acceleration: [0.0, -0.05],
         initial_stress: Some((1, (0..10).map(pressure).collect())),
-        ..Problem::new(grid, media, cell_media, sides, step, scheme)
+        ..Problem::new(grid, media, cell_media, boundaries, step, scheme)
     }
 }
 
@@ -113,13 +113,13 @@ fn with_default_time_steps(mut problem: Problem<2>) -> Problem<2> {
 /// Computes the largest residual of the ledger in every tenth of `steps` steps, relative to the largest energy in them.
 fn max_ledger_residual<T: SolverReal>(problem: &Problem<2>, steps: usize) -> f64 {
     let mut domain: Reference<T, 2> = Reference::new(problem).expect("sound");
-    let (mut greatest, mut worst) = (0.0f64, 0.0f64);
+    let (mut max_energy, mut max_residual) = (0.0f64, 0.0f64);
     for index in 0..steps {
         domain.advance(1);
         if index % 10 == 0 {
             let energy = domain.energy().total();
-            greatest = greatest.max(energy);
-            worst = worst.max((energy - domain.ledger().energy_change()).abs());
+            max_energy = max_energy.max(energy);
+            max_residual = max_residual.max((energy - domain.ledger().energy_change()).abs());
         }
     }
     let ledger = domain.ledger();
@@ -134,18 +134,22 @@ fn max_ledger_residual<T: SolverReal>(problem: &Problem<2>, steps: usize) -> f64
             && ledger.initial_stress_work != 0.0,
         "{ledger:?}"
     );
-    worst / greatest
+    max_residual / max_energy
 }
 
 #[test]
-fn the_ledger_closes_over_ten_thousand_steps() {
-    let mut all = Vec::new();
+fn ledger_closes_over_ten_thousand_steps() {
+    let mut configurations = Vec::new();
     for theory in THEORIES {
-        all.push((theory, cone_yield_set(0.4), PlasticStep::MidpointReflection));
-        all.push((theory, cone_yield_set(0.0), PlasticStep::ReturnMapping));
-        all.push((theory, interlayer_yield_set(theory), PlasticStep::MidpointReflection));
+        configurations.push((theory, cone_yield_set(0.4), PlasticStep::MidpointReflection));
+        configurations.push((theory, cone_yield_set(0.0), PlasticStep::ReturnMapping));
+        configurations.push((
+            theory,
+            interlayer_yield_set(theory),
+            PlasticStep::MidpointReflection,
+        ));
     }
-    for (theory, set, plastic_step) in all {
+    for (theory, set, plastic_step) in configurations {
         let problem = problem_with_all_loads(theory, set, plastic_step);
         let mut problems = vec![problem.clone()];
         if plastic_step == PlasticStep::ReturnMapping {
@@ -210,35 +214,35 @@ fn passive_boundaries(medium: &Medium, which: usize) -> [[Boundary; 2]; 2] {
     [0, 1].map(|axis| [side(axis), side(axis)])
 }
 
-fn all_media() -> Vec<Medium> {
+fn build_all_media() -> Vec<Medium> {
     let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple: Some(couple) };
     let isotropic = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
     let compliances = PlaneCompliances::from_isotropic(&isotropic).expect("with couple stress");
     let cubic = PlaneCompliances { a2: 1.3 * compliances.a2, ..compliances };
-    let mut all = vec![
+    let mut media = vec![
         Medium::new(cubic, 2),
         Medium::new(cubic, 2).with_yield_set(interlayer_yield_set(Theory::Cosserat)),
     ];
     for theory in THEORIES {
         let medium = Medium::new(scaled_solid(theory, 1.0), 2);
-        all.extend([medium.clone(), medium.clone().with_yield_set(cone_yield_set(0.4))]);
-        all.push(medium.with_yield_set(interlayer_yield_set(theory)));
+        media.extend([medium.clone(), medium.clone().with_yield_set(cone_yield_set(0.4))]);
+        media.push(medium.with_yield_set(interlayer_yield_set(theory)));
     }
-    all
+    media
 }
 
 /// Verifies that the energy, checked after every 1000 of `thousands` × 1000 steps, does not grow. The initial state is
 /// noise, the Courant number is 1; all media and all kinds of passive boundaries are tested.
 fn check_stability(thousands: usize) {
-    for medium in all_media() {
+    for medium in build_all_media() {
         for which in 0..6 {
-            let sides = passive_boundaries(&medium, which);
+            let boundaries = passive_boundaries(&medium, which);
             let step = 2.0 * 0.1 / medium.max_speed();
             let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
             let grid = Grid { cells: [6, 5], spacing: [0.1, 0.1] };
             let media = vec![medium.clone()];
-            let problem = Problem::new(grid, media, vec![0; 30], sides, step, scheme);
+            let problem = Problem::new(grid, media, vec![0; 30], boundaries, step, scheme);
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
             fill_with_noise(&mut domain);
             let mut last = domain.energy().total();
@@ -282,25 +286,25 @@ fn boundaries_of_slow_media_do_no_work() {
         };
         let grid = Grid { cells: [8, 12], spacing: [0.1, 0.1] };
         let cell_media = (0..96).map(|cell| u16::from(cell / 8 > 6)).collect();
-        let sides = [[Boundary::Free, Boundary::Fixed], [Boundary::Free, Boundary::Fixed]];
+        let boundaries = [[Boundary::Free, Boundary::Fixed], [Boundary::Free, Boundary::Fixed]];
         let media = vec![slow.clone(), fast.clone()];
-        let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+        let problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
         let mut domain: Reference<f64, 2> = Reference::new(&problem).expect("sound");
         for (field, values) in noise_fields(domain.fields(), 96) {
-            domain.set(field, &values);
+            domain.set_field(field, &values);
         }
         let start = domain.energy().total();
         domain.advance(2000);
         let ledger = domain.ledger();
-        let rest = domain.energy().total() - start - ledger.energy_change();
+        let residual = domain.energy().total() - start - ledger.energy_change();
         println!(
-            "{slopes:?}: {:e} of {start:e} lost, {rest:e} left over",
+            "{slopes:?}: {:e} of {start:e} lost, {residual:e} left over",
             ledger.numerical_dissipation
         );
         assert_eq!(ledger.boundary_work, 0.0);
         assert!(
-            ledger.numerical_dissipation > 0.0 && rest.abs() < 1e-12 * start,
-            "{slopes:?}: {rest:e}"
+            ledger.numerical_dissipation > 0.0 && residual.abs() < 1e-12 * start,
+            "{slopes:?}: {residual:e}"
         );
     }
 }
@@ -308,11 +312,12 @@ fn boundaries_of_slow_media_do_no_work() {
 /// Verifies the energies of a domain against the constitutive law, and against ½ρv² and ½s²/M of the pairs.
 #[test]
 fn energies_follow_from_the_constitutive_laws() {
-    for medium in all_media() {
+    for medium in build_all_media() {
         let grid = Grid { cells: [4, 3], spacing: [0.1, 0.2] };
-        let sides = passive_boundaries(&medium, 2);
+        let boundaries = passive_boundaries(&medium, 2);
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
-        let problem = Problem::new(grid, vec![medium.clone()], vec![0; 12], sides, 1e-3, scheme);
+        let problem =
+            Problem::new(grid, vec![medium.clone()], vec![0; 12], boundaries, 1e-3, scheme);
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         fill_with_noise(&mut domain);
         let stored: f64 =
@@ -330,9 +335,9 @@ fn energies_follow_from_the_constitutive_laws() {
         // fields.
         for pair in &medium.pairs[0] {
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-            domain.set(pair.stress, &[1.0; 12]);
+            domain.set_field(pair.stress, &[1.0; 12]);
             for (follower, ratio) in &pair.passive_stresses {
-                domain.set(*follower, &[*ratio; 12]);
+                domain.set_field(*follower, &[*ratio; 12]);
             }
             let expected = 12.0 * 0.02 * 0.5 / pair.modulus;
             let found = domain.energy().stored;
@@ -349,19 +354,22 @@ fn single_precision_agrees_with_double_precision() {
         cone_yield_set(0.4),
         PlasticStep::MidpointReflection,
     );
-    let mut wide: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-    let mut narrow: Domain<f32, 2> = Domain::new(&problem).expect("sound");
+    let mut double_precision: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+    let mut single_precision: Domain<f32, 2> = Domain::new(&problem).expect("sound");
     for _ in 0..200 {
-        wide.advance();
-        narrow.advance();
+        double_precision.advance();
+        single_precision.advance();
     }
-    for &field in wide.fields() {
-        let (a, b) = (wide.values(field).expect("a field"), narrow.values(field).expect("a field"));
-        let greatest = a.iter().fold(0.0f64, |x, y| x.max(y.abs()));
+    for &field in double_precision.fields() {
+        let (a, b) = (
+            double_precision.values(field).expect("a field"),
+            single_precision.values(field).expect("a field"),
+        );
+        let largest = a.iter().fold(0.0f64, |x, y| x.max(y.abs()));
         for (a, b) in a.iter().zip(b) {
-            assert!((a - f64::from(b)).abs() < 2e-4 * greatest, "{field:?} {a} {b}");
+            assert!((a - f64::from(b)).abs() < 2e-4 * largest, "{field:?} {a} {b}");
         }
     }
-    let (a, b) = (wide.energy().total(), narrow.energy().total());
+    let (a, b) = (double_precision.energy().total(), single_precision.energy().total());
     assert!((a - b).abs() < 1e-4 * a, "{a} {b}");
 }

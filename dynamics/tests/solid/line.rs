@@ -15,15 +15,15 @@ struct PeriodicLine {
 }
 
 impl PeriodicLine {
-    fn new(inner: usize, at: impl Fn(usize) -> (f64, f64, CellConstants<f64>)) -> Self {
+    fn new(inner: usize, cell_values: impl Fn(usize) -> (f64, f64, CellConstants<f64>)) -> Self {
         let length = inner + 2 * GHOSTS;
         // Ghosts are periodic initially.
-        let place = |i: usize| (i + inner - GHOSTS) % inner;
-        let all: Vec<_> = (0..length).map(|i| at(place(i))).collect();
+        let periodic_index = |i: usize| (i + inner - GHOSTS) % inner;
+        let values: Vec<_> = (0..length).map(|i| cell_values(periodic_index(i))).collect();
         Self {
-            velocity: all.iter().map(|a| a.0).collect(),
-            stress: all.iter().map(|a| a.1).collect(),
-            cells: all.iter().map(|a| a.2).collect(),
+            velocity: values.iter().map(|a| a.0).collect(),
+            stress: values.iter().map(|a| a.1).collect(),
+            cells: values.iter().map(|a| a.2).collect(),
         }
     }
 
@@ -60,22 +60,22 @@ fn at_courant_number_one_waves_move_by_a_cell() {
     let mut random = CongruentialGenerator::new(1);
     let z = 2.5;
     for slopes in ALL_SLOPES {
-        let data: Vec<[f64; 2]> =
+        let invariants: Vec<[f64; 2]> =
             (0..20).map(|_| [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)]).collect();
         // Right-going invariant s − zv, left-going invariant s + zv.
-        let at = |i: usize| {
-            let [right, left] = data[i];
+        let cell_values = |i: usize| {
+            let [right, left] = invariants[i];
             ((left - right) / (2.0 * z), 0.5 * (left + right), CellConstants::new(z, 1.0))
         };
-        let mut line = PeriodicLine::new(20, at);
+        let mut line = PeriodicLine::new(20, cell_values);
         for _ in 0..7 {
             line.make_periodic();
             line.advance(slopes, None);
         }
         for (i, place) in line.interior().enumerate() {
             let (v, s) = (line.velocity[place], line.stress[place]);
-            assert!((s - z * v - data[(i + 20 - 7) % 20][0]).abs() < 1e-14);
-            assert!((s + z * v - data[(i + 7) % 20][1]).abs() < 1e-14);
+            assert!((s - z * v - invariants[(i + 20 - 7) % 20][0]).abs() < 1e-14);
+            assert!((s + z * v - invariants[(i + 7) % 20][1]).abs() < 1e-14);
         }
     }
 }
@@ -89,9 +89,9 @@ fn wave_error(count: usize, slopes: Slopes) -> f64 {
     let courant = 0.83 * c / (h * steps);
     // Cell means of right- and left-going waves by three-point Gauss quadrature.
     let mean = |f: &dyn Fn(f64) -> f64, i: usize, shift: f64| {
-        let at = |x: f64| f(h * i as f64 + x * h - shift);
+        let shifted_value = |x: f64| f(h * i as f64 + x * h - shift);
         let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
-        (5.0 * at(low) + 8.0 * at(0.5) + 5.0 * at(high)) / 18.0
+        (5.0 * shifted_value(low) + 8.0 * shifted_value(0.5) + 5.0 * shifted_value(high)) / 18.0
     };
     let right = |x: f64| (2.0 * PI * x).sin();
     let left = |x: f64| (2.0 * PI * x + 0.4).cos() + 0.3 * (4.0 * PI * x).sin();
@@ -217,13 +217,13 @@ fn reflection_and_transmission_are_exact_at_courant_number_one() {
 }
 
 fn random_line(random: &mut CongruentialGenerator, count: usize) -> PeriodicLine {
-    let data: Vec<(f64, f64, CellConstants<f64>)> = (0..count)
+    let cell_values: Vec<(f64, f64, CellConstants<f64>)> = (0..count)
         .map(|_| {
             let cell = CellConstants::new(random.uniform(0.1, 5.0), random.uniform(0.05, 1.0));
             (random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), cell)
         })
         .collect();
-    PeriodicLine::new(count, |i| data[i])
+    PeriodicLine::new(count, |i| cell_values[i])
 }
 
 /// Verifies that the energy of the cells changes by inflow minus dissipation, with a different medium in every cell and
@@ -232,7 +232,7 @@ fn random_line(random: &mut CongruentialGenerator, count: usize) -> PeriodicLine
 fn energy_account_closes() {
     let mut random = CongruentialGenerator::new(3);
     for slopes in ALL_SLOPES {
-        let mut worst = 0.0f64;
+        let mut max_residual = 0.0f64;
         for _ in 0..500 {
             let mut line = random_line(&mut random, 30);
             // Random ghosts, so that energy flows through the ends.
@@ -245,10 +245,10 @@ fn energy_account_closes() {
             line.advance(slopes, Some(&mut account));
             let change = line.energy() - before;
             let residual = change - account.boundary_work + account.dissipation;
-            worst = worst.max((residual / before).abs());
+            max_residual = max_residual.max((residual / before).abs());
         }
-        println!("{slopes:?} {worst:e}");
-        assert!(worst < 1e-14);
+        println!("{slopes:?} {max_residual:e}");
+        assert!(max_residual < 1e-14);
     }
 }
 
@@ -276,13 +276,13 @@ fn energy_does_not_grow() {
         for _ in 0..200 {
             let mut line = random_line(&mut random, 40);
             let start = line.energy();
-            let mut greatest = start;
+            let mut max_energy = start;
             for _ in 0..200 {
                 line.make_periodic();
                 line.advance(slopes, None);
-                greatest = greatest.max(line.energy());
+                max_energy = max_energy.max(line.energy());
             }
-            assert!(greatest <= start * (1.0 + 1e-13), "{slopes:?} {}", greatest / start);
+            assert!(max_energy <= start * (1.0 + 1e-13), "{slopes:?} {}", max_energy / start);
         }
     }
 }
@@ -292,7 +292,7 @@ fn energy_does_not_grow() {
 #[test]
 fn limited_slopes_create_no_new_extrema() {
     let mut random = CongruentialGenerator::new(8);
-    let mut reached = 0;
+    let mut overshoot_count = 0;
     for _ in 0..300 {
         let (z, courant) = (random.uniform(0.1, 5.0), random.uniform(0.0, 1.0));
         // Only a right-going wave: rough, smooth or piecewise constant.
@@ -307,19 +307,23 @@ fn limited_slopes_create_no_new_extrema() {
         let mut line = PeriodicLine::new(40, |i| {
             (-0.5 * w[i] / z, 0.5 * w[i], CellConstants::new(z, courant))
         });
-        let mut plain = line.clone();
+        let mut unlimited = line.clone();
         line.advance(Slopes::Limited, None);
-        plain.advance(Slopes::FourthOrder, None);
+        unlimited.advance(Slopes::FourthOrder, None);
         for (i, place) in line.interior().enumerate() {
             let wave = |line: &PeriodicLine| line.stress[place] - z * line.velocity[place];
-            let (own, upwind) = (w[i], w[(i + 39) % 40]);
-            let within = own.min(upwind) - 1e-14..=own.max(upwind) + 1e-14;
-            assert!(within.contains(&wave(&line)), "{courant} {own} {upwind} {}", wave(&line));
-            reached += usize::from(!within.contains(&wave(&plain)));
+            let (old_value, upwind) = (w[i], w[(i + 39) % 40]);
+            let allowed_range = old_value.min(upwind) - 1e-14..=old_value.max(upwind) + 1e-14;
+            assert!(
+                allowed_range.contains(&wave(&line)),
+                "{courant} {old_value} {upwind} {}",
+                wave(&line)
+            );
+            overshoot_count += usize::from(!allowed_range.contains(&wave(&unlimited)));
         }
     }
     // Without the limiter many updated values lie outside this interval.
-    assert!(reached > 1000, "{reached}");
+    assert!(overshoot_count > 1000, "{overshoot_count}");
 }
 
 /// Verifies the decay of waves as short as 2 to 4 cells in first-order sweeps. The amplification factor of the
@@ -345,7 +349,7 @@ fn grid_scale_wave_decays_by_the_amplification_factor() {
 }
 
 #[test]
-fn mirrored_data_give_mirrored_bits() {
+fn mirrored_states_give_mirrored_bits() {
     let mut random = CongruentialGenerator::new(6);
     for slopes in ALL_SLOPES {
         let mut line = random_line(&mut random, 33);
@@ -357,10 +361,13 @@ fn mirrored_data_give_mirrored_bits() {
             line.advance(slopes, None);
             mirrored.advance(slopes, None);
         }
-        for place in line.interior() {
-            let other = line.cells.len() - 1 - place;
-            assert_eq!(line.velocity[place].to_bits(), (-mirrored.velocity[other]).to_bits());
-            assert_eq!(line.stress[place].to_bits(), mirrored.stress[other].to_bits());
+        for index in line.interior() {
+            let mirror_index = line.cells.len() - 1 - index;
+            assert_eq!(
+                line.velocity[index].to_bits(),
+                (-mirrored.velocity[mirror_index]).to_bits()
+            );
+            assert_eq!(line.stress[index].to_bits(), mirrored.stress[mirror_index].to_bits());
         }
     }
 }

@@ -28,15 +28,15 @@ const DENSITY: f64 = 1.2;
 const INNER_RADIUS: f64 = 0.5;
 const RADIAL_WIDTH: f64 = 2.0;
 
-fn polar_grid(cells: [usize; 2]) -> (Grid<2>, Metric) {
+fn build_polar_grid(cells: [usize; 2]) -> (Grid<2>, Metric) {
     let spacing = [TAU / cells[0] as f64, RADIAL_WIDTH / cells[1] as f64];
     (Grid { cells, spacing }, Metric::new_polar(INNER_RADIUS, cells[1], spacing))
 }
 
 /// Returns the time step, s, for which sweeps of half a step have the Courant number 0.9 in the smallest cell.
-fn time_step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
-    let least = metric.spacing.iter().copied().fold(grid.spacing[1], f64::min);
-    1.8 * least / medium.max_speed()
+fn stable_time_step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
+    let min_length = metric.spacing.iter().copied().fold(grid.spacing[1], f64::min);
+    1.8 * min_length / medium.max_speed()
 }
 
 fn fill_with_noise<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(SolidField, &[T])) {
@@ -50,7 +50,7 @@ fn fill_with_noise<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Soli
 /// media distributed at random and a random initial state; verifies the ledger.
 fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     let cells = [23, 17];
-    let (grid, polar) = polar_grid(cells);
+    let (grid, polar) = build_polar_grid(cells);
     let spacing = (0..cells[1]).map(|layer| 0.1 * (1.5 + noise(layer as u64))).collect();
     let metric = if is_polar { polar } else { Metric { spacing, curvature: Vec::new() } };
     let set = YieldSet::from(Mises::new_von_mises(0.3));
@@ -58,16 +58,16 @@ fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes:
     let soft = if is_polar { soft } else { soft.with_yield_set(set) };
     let media = vec![soft, Medium::new(isotropic(theory, 2.3), 2)];
     let cell_media = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
-    let sides =
+    let boundaries =
         [[Boundary::NonReflecting, Boundary::Free], [Boundary::Free, Boundary::NonReflecting]];
-    let step = time_step(&grid, &metric, &media[1]);
+    let step = stable_time_step(&grid, &metric, &media[1]);
     let scheme = Scheme::new(slopes, PlasticStep::ReturnMapping);
     let problem = Problem {
         metric: Some(metric),
-        ..Problem::new(grid, media, cell_media, sides, step, scheme)
+        ..Problem::new(grid, media, cell_media, boundaries, step, scheme)
     };
     let mut reference: Reference<T, 2> = Reference::new(&problem).expect("sound");
-    fill_with_noise(&problem, |field, values: &[T]| reference.set(field, values));
+    fill_with_noise(&problem, |field, values: &[T]| reference.set_field(field, values));
     let start = reference.energy().total();
     reference.advance(15);
     let expected = reference.snapshot();
@@ -80,17 +80,17 @@ fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes:
     };
     for parts in [[1, 1], [1, 3], [2, 1], [2, 2]] {
         for instructions in InstructionSet::available_sets() {
-            let mut split: DecomposedDomain<T, 2> =
+            let mut decomposed: DecomposedDomain<T, 2> =
                 DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
-            split.set_instructions(instructions);
-            fill_with_noise(&problem, |field, values: &[T]| split.set(field, values));
-            split.advance(4).expect("threads");
-            split.advance(11).expect("threads");
-            let found = split.snapshot();
+            decomposed.set_instructions(instructions);
+            fill_with_noise(&problem, |field, values: &[T]| decomposed.set_field(field, values));
+            decomposed.advance(4).expect("threads");
+            decomposed.advance(11).expect("threads");
+            let found = decomposed.snapshot();
             assert!(bits(&found.fields) == bits(&expected.fields), "{parts:?} {instructions:?}");
             assert_eq!(found.cell_sums, expected.cell_sums);
             assert_eq!(found.work_sums[0], expected.work_sums[0]);
-            assert_eq!(split.energy(), reference.energy());
+            assert_eq!(decomposed.energy(), reference.energy());
         }
     }
 }
@@ -109,20 +109,20 @@ fn fused_solver_equals_the_reference_with_a_metric() {
 fn uniform_metric_changes_no_bit() {
     let grid = Grid { cells: [15, 12], spacing: [0.1, 0.13] };
     let medium = Medium::new(isotropic(Theory::Cosserat, 1.0), 2);
-    let sides = [[Boundary::Periodic, Boundary::Periodic], [Boundary::Fixed, Boundary::Free]];
+    let boundaries = [[Boundary::Periodic, Boundary::Periodic], [Boundary::Fixed, Boundary::Free]];
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let step = 0.19 / medium.max_speed();
-    let plain = Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme);
+    let plain = Problem::new(grid, vec![medium], vec![0; 180], boundaries, step, scheme);
     let metric = Some(Metric { spacing: vec![0.1; 12], curvature: Vec::new() });
-    let with = Problem { metric, ..plain.clone() };
-    let [plain, with] = [plain, with].map(|problem| {
+    let with_metric = Problem { metric, ..plain.clone() };
+    let [plain, with_metric] = [plain, with_metric].map(|problem| {
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-        fill_with_noise(&problem, |field, values: &[f64]| domain.set(field, values));
+        fill_with_noise(&problem, |field, values: &[f64]| domain.set_field(field, values));
         (0..20).for_each(|_| domain.advance());
         let values = domain.fields().to_vec().into_iter().map(|field| domain.values(field));
         values.collect::<Vec<_>>()
     });
-    assert_eq!(plain, with);
+    assert_eq!(plain, with_metric);
 }
 
 /// Computes Bessel's function Jₙ(x) from its integral; the trapezoidal rule is exact to rounding.
@@ -185,20 +185,20 @@ fn plane_standing_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
 /// Computes the L2 error of a standing wave over all fields, relative to its norm: in all layers, and in the layers
 /// that no wave from the boundaries, whose velocities are prescribed, can have reached.
 fn standing_wave_errors(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
-    let (grid, metric) = polar_grid(cells);
+    let (grid, metric) = build_polar_grid(cells);
     let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
     let (k, time) = (3.0, 0.3);
-    let steps = (time / time_step(&grid, &metric, &medium)).ceil();
+    let steps = (time / stable_time_step(&grid, &metric, &medium)).ceil();
     let speed = medium.max_speed();
-    let given = |_| Boundary::ByPair(vec![Condition::Velocity(0.0); 2]);
-    let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(given)];
+    let prescribed_velocity = |_| Boundary::ByPair(vec![Condition::Velocity(0.0); 2]);
+    let boundaries = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(prescribed_velocity)];
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     let mut problem =
-        Problem::new(grid, vec![medium], vec![0; grid.count()], sides, time / steps, scheme);
+        Problem::new(grid, vec![medium], vec![0; grid.count()], boundaries, time / steps, scheme);
     problem.metric = Some(metric).filter(|_| is_polar);
-    let exact_at = |place: [f64; 2], time: f64| match is_polar {
-        true => standing_wave(k, place, time).map(|value| place[1].sqrt() * value),
-        false => plane_standing_wave(k, place, time),
+    let exact_at = |position: [f64; 2], time: f64| match is_polar {
+        true => standing_wave(k, position, time).map(|value| position[1].sqrt() * value),
+        false => plane_standing_wave(k, position, time),
     };
     let angle = |index: usize| (index as f64 + 0.5) * grid.spacing[0];
     for (end, radius) in [INNER_RADIUS, INNER_RADIUS + RADIAL_WIDTH].into_iter().enumerate() {
@@ -210,23 +210,23 @@ fn standing_wave_errors(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
             problem.loads.push(Load { axis: 1, end, pair, faces, signal });
         }
     }
-    let place = |cell: usize| {
+    let polar_position = |cell: usize| {
         [angle(cell % cells[0]), INNER_RADIUS + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1]]
     };
     let exact = |index: usize, time: f64| -> Vec<f64> {
-        (0..grid.count()).map(|cell| exact_at(place(cell), time)[index]).collect()
+        (0..grid.count()).map(|cell| exact_at(polar_position(cell), time)[index]).collect()
     };
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
     PLANE_STRAIN_FIELDS
         .iter()
         .enumerate()
-        .for_each(|(index, field)| domain.set(*field, &exact(index, 0.0)));
+        .for_each(|(index, field)| domain.set_field(*field, &exact(index, 0.0)));
     (0..steps as usize).for_each(|_| domain.advance());
     let (mut error, mut size) = ([0.0; 2], [0.0; 2]);
     for (index, field) in PLANE_STRAIN_FIELDS.into_iter().enumerate() {
         let found = domain.values(field).expect("a field");
         for (cell, (found, exact)) in found.iter().zip(exact(index, time)).enumerate() {
-            let depth = place(cell)[1] - INNER_RADIUS;
+            let depth = polar_position(cell)[1] - INNER_RADIUS;
             // Margin of 30 %, since errors of short waves may travel faster.
             let is_reached = depth.min(RADIAL_WIDTH - depth) < 1.3 * speed * time;
             for which in 0..if is_reached { 1 } else { 2 } {
@@ -265,9 +265,9 @@ fn rigid_motions_cause_no_stress() {
     };
     for is_rotation in [true, false] {
         let stresses = [[24, 8], [48, 16], [96, 32]].map(|cells| {
-            let (grid, metric) = polar_grid(cells);
+            let (grid, metric) = build_polar_grid(cells);
             let medium = Medium::new(isotropic(Theory::Cosserat, 1.0), 2);
-            let steps = (0.7 / time_step(&grid, &metric, &medium)).ceil();
+            let steps = (0.7 / stable_time_step(&grid, &metric, &medium)).ceil();
             let faces = |end: usize| {
                 let radius = INNER_RADIUS + RADIAL_WIDTH * end as f64;
                 let value = |velocity: SolidField, face: usize| {
@@ -283,26 +283,28 @@ fn rigid_motions_cause_no_stress() {
                     )
                 };
                 let pairs = medium.pairs[1].iter();
-                let of_pair = |velocity| (0..cells[0]).map(|face| value(velocity, face)).collect();
-                Boundary::ByFace(pairs.map(|pair| of_pair(pair.velocity)).collect())
+                let pair_values =
+                    |velocity| (0..cells[0]).map(|face| value(velocity, face)).collect();
+                Boundary::ByFace(pairs.map(|pair| pair_values(pair.velocity)).collect())
             };
-            let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(faces)];
+            let boundaries = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(faces)];
             let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
             let media = vec![medium.clone()];
             let cell_media = vec![0; grid.count()];
             let problem = Problem {
                 metric: Some(metric),
-                ..Problem::new(grid, media, cell_media, sides, 0.7 / steps, scheme)
+                ..Problem::new(grid, media, cell_media, boundaries, 0.7 / steps, scheme)
             };
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-            let places = (0..grid.count()).map(|cell| {
+            let positions = (0..grid.count()).map(|cell| {
                 let radius = INNER_RADIUS + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1];
                 [((cell % cells[0]) as f64 + 0.5) * grid.spacing[0], radius]
             });
             let fields = [SolidField::Velocity(0), SolidField::Velocity(1), SolidField::Spin(2)];
             for (index, field) in fields.into_iter().enumerate() {
-                let value = |at: [f64; 2]| at[1].sqrt() * motion(is_rotation, at)[index];
-                domain.set(field, &places.clone().map(value).collect::<Vec<_>>());
+                let value =
+                    |position: [f64; 2]| position[1].sqrt() * motion(is_rotation, position)[index];
+                domain.set_field(field, &positions.clone().map(value).collect::<Vec<_>>());
             }
             (0..steps as usize).for_each(|_| domain.advance());
             (domain.energy().stored / domain.energy().kinetic).sqrt()
@@ -392,33 +394,34 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
     let time = 0.9;
     let errors = [16, 32, 64, 128].map(|cells: usize| {
         let (count, width) = (cells * cells, 1.0 / cells as f64);
-        let place = |layer: usize| (layer as f64 + 0.5) * width;
-        let spacing: Vec<f64> = (0..cells).map(|layer| length(place(layer)) * width).collect();
+        let layer_centre = |layer: usize| (layer as f64 + 0.5) * width;
+        let spacing: Vec<f64> =
+            (0..cells).map(|layer| length(layer_centre(layer)) * width).collect();
         let metric = Metric { spacing, curvature: Vec::new() };
         let grid = Grid { cells: [cells; 2], spacing: [width; 2] };
         let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
-        let steps = (time / time_step(&grid, &metric, &medium)).ceil();
-        let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
+        let steps = (time / stable_time_step(&grid, &metric, &medium)).ceil();
+        let boundaries = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
         let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
         let problem = Problem {
             metric: Some(metric),
-            ..Problem::new(grid, vec![medium], vec![0; count], sides, time / steps, scheme)
+            ..Problem::new(grid, vec![medium], vec![0; count], boundaries, time / steps, scheme)
         };
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         let phase = |cell: usize| TAU * (cell % cells) as f64 * width;
-        let value = |cell: usize| initial_fields(place(cell / cells))[0] * phase(cell).cos();
-        domain.set(SolidField::Velocity(0), &(0..count).map(value).collect::<Vec<_>>());
+        let value = |cell: usize| initial_fields(layer_centre(cell / cells))[0] * phase(cell).cos();
+        domain.set_field(SolidField::Velocity(0), &(0..count).map(value).collect::<Vec<_>>());
         let before = domain.energy().total();
         (0..steps as usize).for_each(|_| domain.advance());
         assert!(domain.energy().total() <= before * (1.0 + 1e-14));
-        let places: Vec<f64> = (0..cells).map(place).collect();
-        let exact = solve_by_collocation(length, time, &places);
+        let layer_centres: Vec<f64> = (0..cells).map(layer_centre).collect();
+        let exact = solve_by_collocation(length, time, &layer_centres);
         let (mut error, mut size) = (0.0, 0.0);
         for (index, field) in PLANE_STRAIN_FIELDS.into_iter().enumerate() {
             let found = domain.values(field).expect("a field");
             for (cell, found) in found.into_iter().enumerate() {
-                let turn = Complex64::from_polar(1.0, phase(cell));
-                let exact = (exact[cell / cells][index] * turn).re;
+                let phase_factor = Complex64::from_polar(1.0, phase(cell));
+                let exact = (exact[cell / cells][index] * phase_factor).re;
                 error += (found - exact) * (found - exact);
                 size += exact * exact;
             }
@@ -433,12 +436,12 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
 
 #[test]
 fn invalid_metrics_are_refused() {
-    let (grid, metric) = polar_grid([24, 10]);
+    let (grid, metric) = build_polar_grid([24, 10]);
     let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
-    let sides = || std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let boundaries = || std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-    let step = time_step(&grid, &metric, &medium);
-    let plain = Problem::new(grid, vec![medium.clone()], vec![0; 240], sides(), step, scheme);
+    let step = stable_time_step(&grid, &metric, &medium);
+    let plain = Problem::new(grid, vec![medium.clone()], vec![0; 240], boundaries(), step, scheme);
     let refused = |metric: &Metric, change: &dyn Fn(&mut Problem<2>)| {
         let mut problem = Problem { metric: Some(metric.clone()), ..plain.clone() };
         change(&mut problem);
@@ -459,8 +462,8 @@ fn invalid_metrics_are_refused() {
     }));
     // Layers must remain normal to the second axis.
     let polar = Problem { metric: Some(metric.clone()), ..plain.clone() };
-    let split = DecomposedDomain::<f64, 2>::with_first_axis(1, &polar, 1).err();
-    assert!(matches!(split, Some(DomainError::Metric(_))));
+    let decomposed = DecomposedDomain::<f64, 2>::with_first_axis(1, &polar, 1).err();
+    assert!(matches!(decomposed, Some(DomainError::Metric(_))));
     let reference = Reference::<f64, 2>::with_first_axis(1, &polar).err();
     assert!(matches!(reference, Some(DomainError::Metric(_))));
     // The spacing of the innermost layer limits the step.

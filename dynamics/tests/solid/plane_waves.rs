@@ -91,29 +91,32 @@ fn plane_wave_errors<const D: usize>(
     // Cell means: the value at the cell centre times a factor for each axis.
     let factor: f64 = wave.iter().map(|k| (0.5 * k * h).sin() / (0.5 * k * h)).product();
     let phase = |cell: usize| -> f64 {
-        let mut rest = cell;
+        let mut remaining_index = cell;
         wave.iter()
             .map(|k| {
-                let at = rest % count;
-                rest /= count;
-                k * h * (at as f64 + 0.5)
+                let index = remaining_index % count;
+                remaining_index /= count;
+                k * h * (index as f64 + 0.5)
             })
             .sum()
     };
     let fields = domain.fields().to_vec();
     // Index of a field among the unknowns of the rate equations.
-    let place = |field: &SolidField| {
+    let unknown_index = |field: &SolidField| {
         let name = unknown_name(*field);
-        let place = equations.unknowns.iter().position(|unknown| unknown.name == name);
-        place.expect("an unknown")
+        let unknown_index = equations.unknowns.iter().position(|unknown| unknown.name == name);
+        unknown_index.expect("an unknown")
     };
-    let places: Vec<usize> = fields.iter().map(place).collect();
-    let exact = |place: usize, cell: usize, time: f64| {
-        factor * (amplitude[place] * Complex64::cis(phase(cell) - frequency * time)).re
+    let unknown_indices: Vec<usize> = fields.iter().map(unknown_index).collect();
+    let exact = |unknown_index: usize, cell: usize, time: f64| {
+        factor * (amplitude[unknown_index] * Complex64::cis(phase(cell) - frequency * time)).re
     };
     let cells = count.pow(D as u32);
-    for (&field, &place) in fields.iter().zip(&places) {
-        domain.set(field, &(0..cells).map(|cell| exact(place, cell, 0.0)).collect::<Vec<_>>());
+    for (&field, &unknown_index) in fields.iter().zip(&unknown_indices) {
+        domain.set_field(
+            field,
+            &(0..cells).map(|cell| exact(unknown_index, cell, 0.0)).collect::<Vec<_>>(),
+        );
     }
     let kind = |field: &SolidField| match field {
         SolidField::Velocity(_) => 0,
@@ -122,8 +125,8 @@ fn plane_wave_errors<const D: usize>(
         SolidField::Couple(..) => 3,
     };
     // Errors are evaluated at several times, since at a single one errors of different kinds may cancel.
-    let mut greatest = vec![0.0f64; fields.len()];
-    let mut greatest_of_kind = [0.0f64; 4];
+    let mut max_errors = vec![0.0f64; fields.len()];
+    let mut max_errors_by_kind = [0.0f64; 4];
     let mut done = 0;
     for instant in [1.37, 1.87, 2.37, END_TIME_PERIODS] {
         let until = (steps * instant / END_TIME_PERIODS).round() as usize;
@@ -133,27 +136,29 @@ fn plane_wave_errors<const D: usize>(
         done = until;
         let time = time / steps * until as f64;
         let mut squares = vec![[0.0f64; 4]; cells];
-        for ((field, &place), greatest) in fields.iter().zip(&places).zip(&mut greatest) {
+        for ((field, &unknown_index), max_error) in
+            fields.iter().zip(&unknown_indices).zip(&mut max_errors)
+        {
             // Errors are in units of the square root of energy: the wave has unit energy density, and some fields
             // vanish in it.
-            let weight = form.a[(place, place)].sqrt();
+            let weight = form.a[(unknown_index, unknown_index)].sqrt();
             let values = domain.values(*field).expect("a field");
             let mut sum = 0.0;
             for ((cell, value), squares) in values.iter().enumerate().zip(&mut squares) {
-                let error = weight * (value - exact(place, cell, time)).abs();
+                let error = weight * (value - exact(unknown_index, cell, time)).abs();
                 sum += error;
                 squares[kind(field)] += error * error;
             }
-            *greatest = greatest.max(sum / cells as f64);
+            *max_error = max_error.max(sum / cells as f64);
         }
-        for (kind, greatest) in greatest_of_kind.iter_mut().enumerate() {
+        for (kind, max_error) in max_errors_by_kind.iter_mut().enumerate() {
             let sum: f64 = squares.iter().map(|squares| squares[kind].sqrt()).sum();
-            *greatest = greatest.max(sum / cells as f64);
+            *max_error = max_error.max(sum / cells as f64);
         }
     }
     PlaneWaveErrors {
-        component_errors: fields.iter().map(|field| unknown_name(*field)).zip(greatest).collect(),
-        field_errors: FIELD_KINDS.into_iter().zip(greatest_of_kind).collect(),
+        component_errors: fields.iter().map(|field| unknown_name(*field)).zip(max_errors).collect(),
+        field_errors: FIELD_KINDS.into_iter().zip(max_errors_by_kind).collect(),
     }
 }
 
@@ -186,46 +191,49 @@ fn branch_count<const D: usize>(theory: Theory) -> usize {
 /// Verifies the order of convergence between the two finest grids for every branch: at least `least[0]` for the largest
 /// component error, at least `least[1]` for each field whose error exceeds a tenth of the largest one. Orders of single
 /// components are only printed: where errors of different origin cancel, they are not asymptotic.
-fn check_orders<const D: usize>(counts: &[usize], slopes: Slopes, least: [f64; 2]) {
-    let [.., last, most] = counts else { panic!("two grids") };
-    let order_of =
-        |[before, after]: [f64; 2]| (before / after).ln() / (*most as f64 / *last as f64).ln();
-    let mut low = Vec::new();
+fn check_orders<const D: usize>(counts: &[usize], slopes: Slopes, min_orders: [f64; 2]) {
+    let [.., second_finest, finest] = counts else { panic!("two grids") };
+    let order_of = |[before, after]: [f64; 2]| {
+        (before / after).ln() / (*finest as f64 / *second_finest as f64).ln()
+    };
+    let mut low_orders = Vec::new();
     for theory in THEORIES {
         for branch in 0..branch_count::<D>(theory) {
             let errors: Vec<PlaneWaveErrors> =
                 counts.iter().map(|&n| plane_wave_errors::<D>(theory, n, branch, slopes)).collect();
             let [.., coarse, fine] = errors.as_slice() else { panic!("two grids") };
-            let greatest = fine.max_component_error();
-            let all: Vec<f64> = errors.iter().map(PlaneWaveErrors::max_component_error).collect();
-            let order = order_of([coarse.max_component_error(), greatest]);
+            let largest_error = fine.max_component_error();
+            let component_errors: Vec<f64> =
+                errors.iter().map(PlaneWaveErrors::max_component_error).collect();
+            let order = order_of([coarse.max_component_error(), largest_error]);
             println!(
-                "{D}D {theory:?} branch {branch} {slopes:?}: errors {all:?}, order {order:.3}"
+                "{D}D {theory:?} branch {branch} {slopes:?}: errors {component_errors:?}, order {order:.3}"
             );
-            if order <= least[0] {
-                low.push(format!("{theory:?} branch {branch}: order {order}"));
+            if order <= min_orders[0] {
+                low_orders.push(format!("{theory:?} branch {branch}: order {order}"));
             }
             for ((field, before), (_, after)) in coarse.field_errors.iter().zip(&fine.field_errors)
             {
-                let own = order_of([*before, *after]);
-                if *after > 1e-6 * greatest {
-                    println!("  {field} {after:.2e} order {own:.3}");
+                let field_order = order_of([*before, *after]);
+                if *after > 1e-6 * largest_error {
+                    println!("  {field} {after:.2e} order {field_order:.3}");
                 }
                 // Fields with small errors are perturbed by the errors of the others.
-                if *after > 0.1 * greatest && own <= least[1] {
-                    low.push(format!("{theory:?} branch {branch} {field}: order {own}"));
+                if *after > 0.1 * largest_error && field_order <= min_orders[1] {
+                    low_orders
+                        .push(format!("{theory:?} branch {branch} {field}: order {field_order}"));
                 }
             }
             for ((name, before), (_, after)) in
                 coarse.component_errors.iter().zip(&fine.component_errors)
             {
-                if *after > 1e-6 * greatest {
+                if *after > 1e-6 * largest_error {
                     println!("    {name} {after:.2e} order {:.3}", order_of([*before, *after]));
                 }
             }
         }
     }
-    assert!(low.is_empty(), "{D}D {slopes:?}: {low:#?}");
+    assert!(low_orders.is_empty(), "{D}D {slopes:?}: {low_orders:#?}");
 }
 
 #[test]

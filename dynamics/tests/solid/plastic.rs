@@ -14,7 +14,7 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
 
-fn cone_set(strength: f64, friction: f64) -> Mises {
+fn mises_cone(strength: f64, friction: f64) -> Mises {
     Mises {
         antisymmetric_weight: 0.8,
         symmetric_length: Some(0.9),
@@ -96,7 +96,7 @@ fn check_ledger_and_yield<const D: usize>(
     .expect("a sound domain");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| 0.5 * noise((10_000 * index + cell) as u64);
-        domain.set(field, &(0..cells).map(value).collect::<Vec<_>>());
+        domain.set_field(field, &(0..cells).map(value).collect::<Vec<_>>());
     }
     let volume = h.powi(D as i32);
     let start = total_energy(&domain, &solid, volume);
@@ -106,12 +106,12 @@ fn check_ledger_and_yield<const D: usize>(
         let now = total_energy(&domain, &solid, volume);
         assert!(now <= last * (1.0 + 1e-13), "{theory:?} {plastic_step:?}: {now} after {last}");
         last = now;
-        let shown = match plastic_step {
+        let admissible = match plastic_step {
             PlasticStep::ReturnMapping => domain.clone(),
             PlasticStep::MidpointReflection => domain.to_admissible(),
         };
         for cell in 0..cells {
-            let value = set.yield_function(&shown.total_stress(cell));
+            let value = set.yield_function(&admissible.total_stress(cell));
             assert!(value < 1e-13, "{theory:?} {plastic_step:?} f = {value:e}");
         }
     }
@@ -130,18 +130,18 @@ fn check_ledger_and_yield<const D: usize>(
 }
 
 #[test]
-fn the_ledger_closes_while_solids_yield() {
+fn ledger_closes_while_solids_yield() {
     for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
         for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
             for friction in [0.0, 0.4] {
                 check_ledger_and_yield::<2>(
                     theory,
-                    YieldSet::from(cone_set(0.2, friction)),
+                    YieldSet::from(mises_cone(0.2, friction)),
                     plastic_step,
                 );
                 check_ledger_and_yield::<3>(
                     theory,
-                    YieldSet::from(cone_set(0.2, friction)),
+                    YieldSet::from(mises_cone(0.2, friction)),
                     plastic_step,
                 );
             }
@@ -181,9 +181,9 @@ fn run_slip_wave(count: usize, plastic_step: PlasticStep, strength: f64) -> Vec<
     // At high strength the layers slip everywhere at all times: the initial shear stress is at yield and is increased
     // further by the spin, while pressure waves pass.
     let mean = |f: &dyn Fn(f64) -> f64, i: usize| {
-        let at = |x: f64| f(h * (i as f64 + x));
+        let value_at = |x: f64| f(h * (i as f64 + x));
         let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
-        (5.0 * at(low) + 8.0 * at(0.5) + 5.0 * at(high)) / 18.0
+        (5.0 * value_at(low) + 8.0 * value_at(0.5) + 5.0 * value_at(high)) / 18.0
     };
     let wave = |x: f64| (2.0 * std::f64::consts::PI * x).sin();
     let initial: [(SolidField, f64, f64); 3] = [
@@ -193,16 +193,16 @@ fn run_slip_wave(count: usize, plastic_step: PlasticStep, strength: f64) -> Vec<
     ];
     for (field, constant, size) in initial {
         let value = |i: usize| mean(&|x| constant + size * wave(x), i);
-        domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
+        domain.set_field(field, &(0..count).map(value).collect::<Vec<_>>());
     }
     for _ in 0..steps as usize {
         domain.advance();
     }
-    let shown = domain.to_admissible();
-    shown.fields().iter().map(|f| shown.values(*f).expect("a field")).collect()
+    let admissible = domain.to_admissible();
+    admissible.fields().iter().map(|f| admissible.values(*f).expect("a field")).collect()
 }
 
-fn grid_difference(coarse: &[Vec<f64>], fine: &[Vec<f64>]) -> f64 {
+fn mean_grid_difference(coarse: &[Vec<f64>], fine: &[Vec<f64>]) -> f64 {
     let mut sum = 0.0;
     for (coarse, fine) in coarse.iter().zip(fine) {
         for (i, value) in coarse.iter().enumerate() {
@@ -215,7 +215,7 @@ fn grid_difference(coarse: &[Vec<f64>], fine: &[Vec<f64>]) -> f64 {
 fn convergence_orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
     let grids: Vec<Vec<Vec<f64>>> =
         [64, 128, 256, 512, 1024].map(|n| run_slip_wave(n, plastic_step, strength)).to_vec();
-    let changes: Vec<f64> = grids.windows(2).map(|g| grid_difference(&g[0], &g[1])).collect();
+    let changes: Vec<f64> = grids.windows(2).map(|g| mean_grid_difference(&g[0], &g[1])).collect();
     let orders = changes.windows(2).map(|c| (c[0] / c[1]).log2()).collect();
     println!("{plastic_step:?}, strength {strength}: changes {changes:?}, orders {orders:.3?}");
     orders
@@ -250,24 +250,24 @@ fn transverse_stress_error(count: usize, plastic_step: PlasticStep) -> f64 {
     let precursor = limit * (solid.lambda + 2.0 * solid.mu) / (2.0 * solid.mu);
     let pressure = 3.0 * precursor;
     let push = Boundary::ByPair(vec![Condition::Traction(-pressure), Condition::Traction(0.0)]);
-    let sides = [[push, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
+    let boundaries = [[push, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
     let problem = Problem::new(
         Grid { cells: [count, 1], spacing: [h, h] },
         vec![medium],
         vec![0; count],
-        sides,
+        boundaries,
         2.0 * h / speed,
         Scheme::new(Slopes::Limited, plastic_step),
     );
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
     (0..steps).for_each(|_| domain.advance());
-    let shown = domain.to_admissible();
+    let admissible = domain.to_admissible();
     let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
     let front = 0.8 / speed * (bulk / solid.density).sqrt();
-    let across = shown.values(SolidField::Stress(2, 2)).expect("a field");
-    let behind = (0.8 * front / h) as usize;
-    let error = |i: usize| (across[i] - (limit - pressure)).abs() / limit;
-    (0..behind).map(error).sum::<f64>() / behind as f64
+    let transverse_stress = admissible.values(SolidField::Stress(2, 2)).expect("a field");
+    let cells_behind_front = (0.8 * front / h) as usize;
+    let error = |i: usize| (transverse_stress[i] - (limit - pressure)).abs() / limit;
+    (0..cells_behind_front).map(error).sum::<f64>() / cells_behind_front as f64
 }
 
 /// Verifies why return mapping is the default: behind a shock the midpoint reflection leaves an error of the order of
@@ -275,11 +275,23 @@ fn transverse_stress_error(count: usize, plastic_step: PlasticStep) -> f64 {
 #[test]
 fn only_return_mapping_converges_behind_plastic_fronts() {
     let counts = [100, 200, 400];
-    let last = counts.map(|n| transverse_stress_error(n, PlasticStep::ReturnMapping));
-    let middle = counts.map(|n| transverse_stress_error(n, PlasticStep::MidpointReflection));
-    println!("Last {last:?}, Middle {middle:?}");
-    assert!(last[2] < 0.5 * last[0] && last[2] < 5e-3, "{last:?}");
-    assert!(middle.iter().zip(last).all(|(middle, last)| *middle > 5.0 * last), "{middle:?}");
+    let return_mapping_errors =
+        counts.map(|n| transverse_stress_error(n, PlasticStep::ReturnMapping));
+    let reflection_errors =
+        counts.map(|n| transverse_stress_error(n, PlasticStep::MidpointReflection));
+    println!("Last {return_mapping_errors:?}, Middle {reflection_errors:?}");
+    assert!(
+        return_mapping_errors[2] < 0.5 * return_mapping_errors[0]
+            && return_mapping_errors[2] < 5e-3,
+        "{return_mapping_errors:?}"
+    );
+    assert!(
+        reflection_errors
+            .iter()
+            .zip(return_mapping_errors)
+            .all(|(reflection, mapping)| *reflection > 5.0 * mapping),
+        "{reflection_errors:?}"
+    );
     assert_eq!(PlasticStep::default(), PlasticStep::ReturnMapping);
 }
 
@@ -292,11 +304,12 @@ fn compare_with_projection<const D: usize>(theory: Theory, set: YieldSet, seed: 
     let mut cells = [5; D];
     cells[0] = 43;
     let count: usize = cells.iter().product();
-    let of_cell: Vec<u16> = (0..count).map(|i| u16::from(noise((i + seed) as u64) > 0.6)).collect();
+    let cell_media: Vec<u16> =
+        (0..count).map(|i| u16::from(noise((i + seed) as u64) > 0.6)).collect();
     let mut domain: Domain<f64, D> = Domain::new(&Problem::new(
         Grid { cells, spacing: [0.1; D] },
         media.clone(),
-        of_cell.clone(),
+        cell_media.clone(),
         std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
         0.01,
         Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping),
@@ -305,23 +318,23 @@ fn compare_with_projection<const D: usize>(theory: Theory, set: YieldSet, seed: 
     let size = |cell: usize| 10f64.powf(1.5 * noise((7 * cell + seed) as u64));
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| size(cell) * noise((10_000 * index + cell + seed) as u64);
-        domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
+        domain.set_field(field, &(0..count).map(value).collect::<Vec<_>>());
     }
-    let corrected = domain.to_admissible();
-    let mut moved = 0;
+    let mapped = domain.to_admissible();
+    let mut moved_count = 0;
     for cell in 0..count {
         let trial = stress_in_cell(&domain, cell);
-        let expected = media[usize::from(of_cell[cell])].project(&trial).stress;
-        let found = stress_in_cell(&corrected, cell);
+        let expected = media[usize::from(cell_media[cell])].project(&trial).stress;
+        let found = stress_in_cell(&mapped, cell);
         let numbers = |stress: &Stress| [stress.force, stress.couple].concat().concat();
         let (trial, expected) = (numbers(&trial), numbers(&expected));
         let norm = trial.iter().map(|x| x * x).sum::<f64>().sqrt();
         for (a, b) in numbers(&found).iter().zip(&expected) {
             assert!((a - b).abs() < 3e-14 * norm, "{D}D {theory:?} {set:?}: {a} {b} of {norm}");
         }
-        moved += usize::from(trial != expected);
+        moved_count += usize::from(trial != expected);
     }
-    assert!(moved > count / 10, "{D}D {theory:?} {set:?}: {moved} of {count} moved");
+    assert!(moved_count > count / 10, "{D}D {theory:?} {set:?}: {moved_count} of {count} moved");
 }
 
 #[test]
@@ -339,7 +352,7 @@ fn vectorised_return_mapping_equals_the_projection() {
             compare_with_projection::<2>(Theory::Reduced, set.clone(), seed);
             compare_with_projection::<3>(Theory::Reduced, set, seed);
         }
-        let cones = [weighted, cone_set(0.4, 0.0), cone_set(0.2, 0.3)];
+        let cones = [weighted, mises_cone(0.4, 0.0), mises_cone(0.2, 0.3)];
         for set in plain.into_iter().chain(cones).map(YieldSet::from) {
             compare_with_projection::<2>(Theory::Cosserat, set.clone(), seed);
             compare_with_projection::<3>(Theory::Cosserat, set, seed);

@@ -110,7 +110,7 @@ fn exact_cases() -> Vec<PlaneWaveCase> {
     let limit = bar.elastic_limit();
     let velocity = limit / (bar.density * elastic);
     let free = || vec![(0.0, EndCondition::Stress(0.0))];
-    let rest = || BarProfile::with_velocities(&[0.0], &[]);
+    let at_rest = || BarProfile::with_velocities(&[0.0], &[]);
     let push = |pressure: f64| {
         vec![(0.0, EndCondition::Stress(-pressure)), (0.2 / elastic, EndCondition::Stress(0.0))]
     };
@@ -121,8 +121,13 @@ fn exact_cases() -> Vec<PlaneWaveCase> {
             BarProfile::with_velocities(&[-4.0 * velocity], &[]),
             [vec![(0.0, EndCondition::Velocity(0.0))], free()],
         ),
-        uniaxial_case("pressure taken away", 0.85 / elastic, rest(), [push(1.8 * limit), free()]),
-        uniaxial_case("reverse yield", 0.85 / elastic, rest(), [push(4.0 * limit), free()]),
+        uniaxial_case(
+            "pressure taken away",
+            0.85 / elastic,
+            at_rest(),
+            [push(1.8 * limit), free()],
+        ),
+        uniaxial_case("reverse yield", 0.85 / elastic, at_rest(), [push(4.0 * limit), free()]),
         uniaxial_case(
             "flyer plate, rear face free",
             1.2 / elastic,
@@ -143,11 +148,11 @@ fn run_case(case: &PlaneWaveCase, count: usize, scheme: Scheme) -> Vec<[f64; 5]>
     let longest = 2.0 * COURANT_NUMBER * h / medium.max_speed();
     let steps = (case.duration / longest * (1.0 - 1e-12)).ceil();
     let periodic = [Boundary::Periodic, Boundary::Periodic];
-    let sides = case.boundary_conditions.clone().map(Boundary::ByPair);
+    let boundaries = case.boundary_conditions.clone().map(Boundary::ByPair);
     let grid = Grid { cells: [count, 1], spacing: [h, h] };
     let step = case.duration / steps;
     let mut problem =
-        Problem::new(grid, vec![medium], vec![0; count], [sides, periodic], step, scheme);
+        Problem::new(grid, vec![medium], vec![0; count], [boundaries, periodic], step, scheme);
     if let Some((from, change)) = case.condition_change {
         problem.loads.push(Load {
             axis: 0,
@@ -171,21 +176,21 @@ fn run_case(case: &PlaneWaveCase, count: usize, scheme: Scheme) -> Vec<[f64; 5]>
     for (index, field) in PLANE_STRAIN_FIELDS.into_iter().enumerate() {
         let values: Vec<f64> =
             (0..count).map(|cell| mean(&case.initial_means, cell)[index]).collect();
-        domain.set(field, &values);
+        domain.set_field(field, &values);
         if field == SolidField::Stress(1, 1) {
-            domain.set(SolidField::Stress(2, 2), &values);
+            domain.set_field(SolidField::Stress(2, 2), &values);
         }
     }
     (0..steps as usize).for_each(|_| domain.advance());
-    let places = PLANE_STRAIN_FIELDS.map(|field| {
+    let field_indices = PLANE_STRAIN_FIELDS.map(|field| {
         domain.fields().iter().position(|own| *own == field).expect("a field of plane strain")
     });
-    let shown = |cell: usize| {
+    let output_values = |cell: usize| {
         let mut values = Vec::new();
         domain.output_cell(cell, &mut values);
-        places.map(|place| values[place])
+        field_indices.map(|place| values[place])
     };
-    (0..count).map(shown).collect()
+    (0..count).map(output_values).collect()
 }
 
 /// Computes the errors of a run relative to the range of each field in the exact solution, maxima over the fields: mean
@@ -195,7 +200,7 @@ fn case_errors(case: &PlaneWaveCase, count: usize, scheme: Scheme) -> [f64; 2] {
     let exact: Vec<[f64; 5]> =
         (0..count).map(|i| (case.final_means)(i as f64 * h, (i + 1) as f64 * h)).collect();
     let found = run_case(case, count, scheme);
-    let (mut mean, mut most) = (0f64, 0f64);
+    let (mut mean, mut max_error) = (0f64, 0f64);
     for field in 0..5 {
         let values = || exact.iter().map(|own| own[field]);
         let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
@@ -208,12 +213,12 @@ fn case_errors(case: &PlaneWaveCase, count: usize, scheme: Scheme) -> [f64; 2] {
             sum += error * h;
             let x = (i as f64 + 0.5) * h;
             if case.front_positions.iter().all(|edge| (x - edge).abs() > 0.05) {
-                most = most.max(error);
+                max_error = max_error.max(error);
             }
         }
         mean = mean.max(sum);
     }
-    [mean, most]
+    [mean, max_error]
 }
 
 fn default_scheme(plastic_step: PlasticStep) -> Scheme {
@@ -233,22 +238,22 @@ fn errors_of_both_plastic_steps_are_bounded() {
     for case in exact_cases() {
         let tables =
             [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection].map(|plastic_step| {
-                let all = CELL_COUNTS
+                let errors = CELL_COUNTS
                     .map(|count| case_errors(&case, count, default_scheme(plastic_step)));
-                let cells =
-                    all.map(|[mean, most]| format!("{:.2} ({:.2})", 100.0 * mean, 100.0 * most));
-                let order = (all[0][0] / all[3][0]).log2() / 3.0;
+                let columns =
+                    errors.map(|[mean, max]| format!("{:.2} ({:.2})", 100.0 * mean, 100.0 * max));
+                let order = (errors[0][0] / errors[3][0]).log2() / 3.0;
                 println!(
                     "| {} | {plastic_step:?} | {} | {order:.2} |",
                     case.name,
-                    cells.join(" | ")
+                    columns.join(" | ")
                 );
                 assert!(
                     plastic_step == PlasticStep::MidpointReflection || order > 0.3,
-                    "{}: {all:?}",
+                    "{}: {errors:?}",
                     case.name
                 );
-                all
+                errors
             });
         // The midpoint reflection smears fronts less, but leaves residual stress behind them.
         assert!(tables[1][3][0] < tables[0][3][0], "{}: {tables:?}", case.name);
@@ -268,9 +273,9 @@ fn fronts_obey_their_jump_conditions() {
         (0.2 / elastic, EndCondition::Stress(0.0)),
     ];
     let flyer = BarProfile::with_velocities(&[5.0 * velocity, 0.0], &[0.3]);
-    let rest = BarProfile::with_velocities(&[0.0], &[]);
+    let at_rest = BarProfile::with_velocities(&[0.0], &[]);
     let (mut plastic_fronts, mut contacts) = (0, 0);
-    for (start, ends) in [(flyer, [free(), free()]), (rest, [push, free()])] {
+    for (start, ends) in [(flyer, [free(), free()]), (at_rest, [push, free()])] {
         let is_flyer = start.states.len() > 1;
         for time in [0.1, 0.3, 0.55, 0.8, 1.0, 1.2].map(|time| time / elastic) {
             let profile = bar.advance(&start, &ends, time);
@@ -294,20 +299,23 @@ fn fronts_obey_their_jump_conditions() {
                     // The yield surface is reached ahead of the front and behind it, and loading continues.
                     assert!(close(stress_difference, 0.0), "{pair:?}");
                     assert!(close(pair[0].stress_difference.abs(), bar.yield_stress), "{pair:?}");
-                    let behind = stress * -front.speed.signum();
-                    assert!(behind * pair[0].stress_difference > 0.0, "{front:?} {pair:?}");
+                    let stress_behind = stress * -front.speed.signum();
+                    assert!(stress_behind * pair[0].stress_difference > 0.0, "{front:?} {pair:?}");
                 }
             }
-            let within =
+            let is_inside_yield_set =
                 profile.states.iter().all(|s| s.stress_difference.abs() < bar.yield_stress + 1e-7);
-            assert!(within, "{profile:?}");
+            assert!(is_inside_yield_set, "{profile:?}");
             let momentum = bar.density * profile.mean_state(0.0, 1.0).velocity;
-            let given = match is_flyer {
+            let initial_momentum = match is_flyer {
                 true => bar.density * 5.0 * velocity * 0.3,
                 false => 4.0 * bar.elastic_limit() * time.min(0.2 / elastic),
             };
             // The far end is free, so that no momentum leaves through it.
-            assert!((momentum - given).abs() < 1e-7 * given, "{time}: {momentum} {given}");
+            assert!(
+                (momentum - initial_momentum).abs() < 1e-7 * initial_momentum,
+                "{time}: {momentum} {initial_momentum}"
+            );
         }
     }
     assert!(plastic_fronts > 20 && contacts > 10, "{plastic_fronts} {contacts}");

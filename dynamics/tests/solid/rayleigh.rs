@@ -34,22 +34,23 @@ fn rayleigh_wave(along: f64, depth: f64, time: f64) -> [f64; 5] {
     let (p, s) = ((1.0 - c * c / 3.0).sqrt(), (1.0 - c * c).sqrt());
     let i = Complex64::i();
     let (a, b) = (Complex64::from(1.0), i * 2.0 * p / (1.0 + s * s));
-    let (of_p, of_s) = (a * (-k * p * depth).exp(), b * (-k * s * depth).exp());
+    let (p_amplitude, s_amplitude) = (a * (-k * p * depth).exp(), b * (-k * s * depth).exp());
     let phase = (i * k * (along - c * time)).exp();
-    let displacement = [i * k * of_p - of_s * k * s, -of_p * k * p - i * k * of_s];
-    let into = [
-        -i * k * k * p * of_p + of_s * (k * s).powi(2),
-        of_p * (k * p).powi(2) + i * k * k * s * of_s,
+    let displacement =
+        [i * k * p_amplitude - s_amplitude * k * s, -p_amplitude * k * p - i * k * s_amplitude];
+    let depth_derivative = [
+        -i * k * k * p * p_amplitude + s_amplitude * (k * s).powi(2),
+        p_amplitude * (k * p).powi(2) + i * k * k * s * s_amplitude,
     ];
     let along = displacement.map(|u| i * k * u);
-    let dilatation = along[0] + into[1];
+    let dilatation = along[0] + depth_derivative[1];
     let rate = -i * k * c;
     [
         rate * displacement[0],
         rate * displacement[1],
         dilatation + along[0] * 2.0,
-        dilatation + into[1] * 2.0,
-        into[0] + along[1],
+        dilatation + depth_derivative[1] * 2.0,
+        depth_derivative[0] + along[1],
     ]
     .map(|value| (value * phase).re)
 }
@@ -89,11 +90,11 @@ fn rayleigh_error(
         Scheme { splitting, ..Scheme::new(slopes, PlasticStep::ReturnMapping) },
     );
     let sign = if is_upper { -1.0 } else { 1.0 };
-    let at = |cell: usize, time: f64| {
+    let exact_fields = |cell: usize, time: f64| {
         let index = [cell % count[0], cell / count[0]];
         let depth = if is_upper { count[axis] - 1 - index[axis] } else { index[axis] };
-        let [depth, place] = [depth, index[along]].map(|i| (i as f64 + 0.5) * h);
-        rayleigh_wave(place, depth, time)
+        let [depth, position] = [depth, index[along]].map(|i| (i as f64 + 0.5) * h);
+        rayleigh_wave(position, depth, time)
     };
     let value = |field: SolidField, own: [f64; 5]| match field {
         SolidField::Velocity(i) if i == along => own[0],
@@ -102,22 +103,22 @@ fn rayleigh_error(
         SolidField::Stress(i, j) if i == j => own[3],
         _ => sign * own[4],
     };
-    let mut split = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
-    for field in split.fields().to_vec() {
+    let mut decomposed = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
+    for field in decomposed.fields().to_vec() {
         let values: Vec<f64> =
-            (0..count[0] * count[1]).map(|cell| value(field, at(cell, 0.0))).collect();
-        split.set(field, &values);
+            (0..count[0] * count[1]).map(|cell| value(field, exact_fields(cell, 0.0))).collect();
+        decomposed.set_field(field, &values);
     }
-    split.advance(steps as usize).expect("threads");
-    let (fields, shown) = (split.fields().to_vec(), split.output_values());
+    decomposed.advance(steps as usize).expect("threads");
+    let (fields, output) = (decomposed.fields().to_vec(), decomposed.output_values());
     let mut sums = [0.0; 2];
     for (field, values) in
-        fields.iter().zip(&shown).filter(|own| matches!(own.0, SolidField::Velocity(_)))
+        fields.iter().zip(&output).filter(|own| matches!(own.0, SolidField::Velocity(_)))
     {
         for (cell, found) in values.iter().enumerate() {
             let index = [cell % count[0], cell / count[0]][axis];
             if index == if is_upper { count[axis] - 1 } else { 0 } {
-                let exact = value(*field, at(cell, duration));
+                let exact = value(*field, exact_fields(cell, duration));
                 sums[0] += (found - exact).powi(2);
                 sums[1] += exact * exact;
             }
@@ -144,17 +145,17 @@ fn plane_wave_error(cells: usize, slopes: Slopes) -> f64 {
     );
     let exact: Vec<f64> =
         (0..4 * cells).map(|cell| (TAU * h * ((cell % cells) as f64 + 0.5)).cos()).collect();
-    let mut split = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
-    split.set(SolidField::Velocity(1), &exact);
-    let shear = split
+    let mut decomposed = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
+    decomposed.set_field(SolidField::Velocity(1), &exact);
+    let shear = decomposed
         .fields()
         .iter()
         .copied()
         .find(|own| matches!(own, SolidField::Stress(i, j) if i != j));
-    split.set(shear.unwrap(), &exact.iter().map(|v| -v).collect::<Vec<_>>());
-    split.advance(steps as usize).expect("threads");
-    let place = split.fields().iter().position(|own| *own == SolidField::Velocity(1)).unwrap();
-    let found = &split.output_values()[place];
+    decomposed.set_field(shear.unwrap(), &exact.iter().map(|v| -v).collect::<Vec<_>>());
+    decomposed.advance(steps as usize).expect("threads");
+    let index = decomposed.fields().iter().position(|own| *own == SolidField::Velocity(1)).unwrap();
+    let found = &decomposed.output_values()[index];
     let square = |all: &mut dyn Iterator<Item = f64>| all.map(|x| x * x).sum::<f64>();
     (square(&mut found.iter().zip(&exact).map(|(a, b)| a - b)) / square(&mut exact.iter().copied()))
         .sqrt()
@@ -172,9 +173,9 @@ const ORIENTATIONS: [Orientation; 4] = [
 /// `cargo test --release -p wellposed-dynamics --test solid rayleigh:: -- --nocapture`.
 #[test]
 fn rayleigh_wave_errors_are_bounded_along_every_boundary() {
-    let all = [Slopes::FourthOrder, Slopes::Limited]
+    let configurations = [Slopes::FourthOrder, Slopes::Limited]
         .map(|slopes| ORIENTATIONS.map(|orientation| (slopes, orientation)));
-    for (slopes, orientation) in all.into_iter().flatten() {
+    for (slopes, orientation) in configurations.into_iter().flatten() {
         let found = [20, 40].map(|cells| {
             let [two_cyclic, alternating] = [Splitting::TwoCyclic, Splitting::Alternating]
                 .map(|splitting| rayleigh_error(cells, orientation, splitting, slopes));

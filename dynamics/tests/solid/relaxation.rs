@@ -47,11 +47,11 @@ fn periodic_boundaries<const D: usize>() -> [[Boundary; 2]; D] {
     std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic])
 }
 
-fn fill_with_noise<T: SolverReal, const D: usize>(split: &mut DecomposedDomain<T, D>, size: f64) {
-    for (index, field) in split.fields().to_vec().into_iter().enumerate() {
-        let count = split.values(field).expect("a field").len();
+fn fill_with_noise<T: SolverReal, const D: usize>(domain: &mut DecomposedDomain<T, D>, size: f64) {
+    for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
+        let count = domain.values(field).expect("a field").len();
         let value = |cell: usize| T::from_f64(size * noise((1000 * index + cell) as u64));
-        split.set(field, &(0..count).map(value).collect::<Vec<_>>());
+        domain.set_field(field, &(0..count).map(value).collect::<Vec<_>>());
     }
 }
 
@@ -90,7 +90,7 @@ impl<const D: usize> DampedPlaneWave<D> {
     /// order of the period over 2π.
     fn new(wave: [usize; D], is_longitudinal: bool, theory: Theory) -> Self {
         let mut n = [0.0; 3];
-        wave.iter().enumerate().for_each(|(axis, own)| n[axis] = *own as f64);
+        wave.iter().enumerate().for_each(|(axis, number)| n[axis] = *number as f64);
         let norm = n.iter().map(|x| x * x).sum::<f64>().sqrt();
         let n = n.map(|x| x / norm);
         let polarisation = match is_longitudinal {
@@ -103,10 +103,11 @@ impl<const D: usize> DampedPlaneWave<D> {
         let k = TAU * norm;
         let time = 0.7 / (k * (MU / DENSITY).sqrt());
         let bulk = LAMBDA + 2.0 / 3.0 * MU;
-        let own = isotropic(theory, 1.0).microrotation.map_or([0.0; 2], |m| [m.alpha, m.inertia]);
+        let microrotation =
+            isotropic(theory, 1.0).microrotation.map_or([0.0; 2], |m| [m.alpha, m.inertia]);
         let modulus = |rate: Complex| {
             let shear = shear_modulus(rate, time);
-            match (is_longitudinal, own) {
+            match (is_longitudinal, microrotation) {
                 (true, _) => bulk + 4.0 / 3.0 * shear,
                 (false, [0.0, _]) => shear,
                 // Spin amplitude ω for the velocity amplitude v, from jς²ω + 4αω = 2αik v.
@@ -173,25 +174,25 @@ impl<const D: usize> DampedPlaneWave<D> {
         let scheme = return_mapping_scheme(Slopes::FourthOrder, splitting);
         let problem =
             Problem::new(grid, vec![medium], vec![0; count], periodic_boundaries(), step, scheme);
-        let mut split: DecomposedDomain<f64, D> =
+        let mut domain: DecomposedDomain<f64, D> =
             DecomposedDomain::new(&problem, 1).expect("sound");
         let phase = |cell: usize| {
-            let (mut rest, mut phase) = (cell, 0.0);
+            let (mut remaining_index, mut phase) = (cell, 0.0);
             for own in self.mode_numbers {
-                phase += TAU * own as f64 * ((rest % cells) as f64 + 0.5) / cells as f64;
-                rest /= cells;
+                phase += TAU * own as f64 * ((remaining_index % cells) as f64 + 0.5) / cells as f64;
+                remaining_index /= cells;
             }
             Complex::from_polar(1.0, phase)
         };
-        for field in split.fields().to_vec() {
+        for field in domain.fields().to_vec() {
             let amplitude = self.amplitude(field);
             let values = (0..count).map(|cell| (amplitude * phase(cell)).re);
-            split.set(field, &values.collect::<Vec<_>>());
+            domain.set_field(field, &values.collect::<Vec<_>>());
         }
-        let fields = split.fields().to_vec();
-        let amplitude = |split: &DecomposedDomain<f64, D>| {
+        let fields = domain.fields().to_vec();
+        let amplitude = |domain: &DecomposedDomain<f64, D>| {
             let mut sum = Complex::ZERO;
-            for (field, values) in fields.iter().zip(split.output_values()) {
+            for (field, values) in fields.iter().zip(domain.output_values()) {
                 let SolidField::Velocity(i) = field else { continue };
                 for (cell, value) in values.into_iter().enumerate() {
                     sum += phase(cell).conj() * (value * self.polarisation[*i]);
@@ -200,12 +201,12 @@ impl<const D: usize> DampedPlaneWave<D> {
             sum
         };
         // Measured between two times, since initial values and output change the amplitude once.
-        split.advance(steps / 4).expect("threads");
-        let first = amplitude(&split);
-        split.advance(steps - steps / 4).expect("threads");
+        domain.advance(steps / 4).expect("threads");
+        let first = amplitude(&domain);
+        domain.advance(steps - steps / 4).expect("threads");
         let duration = (steps - steps / 4) as f64 * step;
         // The ratio is close to 1, so that its logarithm needs no phase unwrapping.
-        let ratio = amplitude(&split) / first / (self.complex_rate * duration).exp();
+        let ratio = amplitude(&domain) / first / (self.complex_rate * duration).exp();
         (ratio.ln() / duration).norm() / self.complex_rate.norm()
     }
 
@@ -276,23 +277,23 @@ fn check_relaxation_at_rest<const D: usize>(
         _ => 0.0,
     };
     for field in domain.fields().to_vec() {
-        domain.set(field, &vec![start(field); count]);
+        domain.set_field(field, &vec![start(field); count]);
     }
     let mean = (0.7 - 0.4 + 0.25) / 3.0;
     for index in 1..=12 {
         domain.advance();
-        let left = (-step * f64::from(index) / time).exp();
+        let decay = (-step * f64::from(index) / time).exp();
         for field in domain.fields().to_vec() {
             let deviator = |i: usize, j: usize| {
                 start(SolidField::Stress(i, j)) - if i == j { mean } else { 0.0 }
             };
             let expected = match field {
                 SolidField::Stress(i, j) => {
-                    let kept = (MU + BRANCH_MODULUS * left) / (MU + BRANCH_MODULUS);
-                    deviator(i, j) * kept + if i == j { mean } else { 0.0 }
+                    let remaining_fraction = (MU + BRANCH_MODULUS * decay) / (MU + BRANCH_MODULUS);
+                    deviator(i, j) * remaining_fraction + if i == j { mean } else { 0.0 }
                 }
                 SolidField::ViscousStrain(i, j) => {
-                    0.5 * deviator(i, j) / (MU + BRANCH_MODULUS) * (1.0 - left)
+                    0.5 * deviator(i, j) / (MU + BRANCH_MODULUS) * (1.0 - decay)
                 }
                 _ => 0.0,
             };
@@ -321,9 +322,9 @@ fn mixed_problem<const D: usize>(cells: [usize; D], theory: Theory, scheme: Sche
     let step = 0.9 * 2.0 * 0.1 / speed;
     let cell_media =
         (0..grid.count() as u64).map(|cell| (2.0 + 2.0 * noise(cell)) as u16).collect();
-    let mut sides = periodic_boundaries();
-    sides[0] = [Boundary::Free, Boundary::Fixed];
-    Problem::new(grid, four_media(theory, step, D), cell_media, sides, step, scheme)
+    let mut boundaries = periodic_boundaries();
+    boundaries[0] = [Boundary::Free, Boundary::Fixed];
+    Problem::new(grid, four_media(theory, step, D), cell_media, boundaries, step, scheme)
 }
 
 /// Verifies that energy never grows from random states with viscous strains, for steps far shorter and longer than τ.
@@ -336,19 +337,19 @@ fn energy_never_grows() {
                 let mut problem = mixed_problem([9, 8], theory, scheme);
                 let step = problem.step;
                 problem.media[1] = relaxing_medium(theory, factor * step, 2);
-                let mut split: DecomposedDomain<f64, 2> =
+                let mut domain: DecomposedDomain<f64, 2> =
                     DecomposedDomain::new(&problem, 2).expect("sound");
-                fill_with_noise(&mut split, 1.0);
-                let mut last = split.energy().total();
+                fill_with_noise(&mut domain, 1.0);
+                let mut last = domain.energy().total();
                 let start = last;
                 for index in 0..4000 {
-                    split.advance(1).expect("threads");
-                    let now = split.energy().total();
+                    domain.advance(1).expect("threads");
+                    let now = domain.energy().total();
                     assert!(now <= last * (1.0 + 1e-13), "{index}: {now} after {last}");
                     last = now;
                 }
                 assert!(last < 0.5 * start);
-                assert_eq!(split.first_non_finite(), None);
+                assert_eq!(domain.first_non_finite(), None);
             }
         }
     }
@@ -357,7 +358,7 @@ fn energy_never_grows() {
 /// Verifies the full ledger with all loads: every term is computed independently, and the stored energy includes the
 /// springs of the branches.
 #[test]
-fn the_ledger_closes() {
+fn ledger_closes() {
     for (splitting, plastic_step) in [
         (Splitting::TwoCyclic, PlasticStep::ReturnMapping),
         (Splitting::TwoCyclic, PlasticStep::MidpointReflection),
@@ -383,26 +384,23 @@ fn the_ledger_closes() {
             let mut domain: Reference<f64, 2> = Reference::new(&problem).expect("sound");
             for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
                 let values = (0..120).map(|cell| 0.5 * noise(1000 * index as u64 + cell));
-                domain.set(field, &values.collect::<Vec<_>>());
+                domain.set_field(field, &values.collect::<Vec<_>>());
             }
             let start = domain.energy().total();
-            let (mut worst, mut greatest) = (0.0f64, start);
+            let (mut error, mut scale) = (0.0f64, start);
             for index in 0..3000 {
                 domain.advance(1);
                 if index % 10 == 0 {
                     let energy = domain.energy().total();
-                    greatest = greatest.max(energy);
-                    worst = worst.max((energy - start - domain.ledger().energy_change()).abs());
+                    scale = scale.max(energy);
+                    error = error.max((energy - start - domain.ledger().energy_change()).abs());
                 }
             }
             let ledger = domain.ledger();
-            println!(
-                "{theory:?} {splitting:?} {plastic_step:?}: {:e} {ledger:?}",
-                worst / greatest
-            );
-            assert!(worst < 1e-12 * greatest, "{theory:?}: {:e}", worst / greatest);
+            println!("{theory:?} {splitting:?} {plastic_step:?}: {:e} {ledger:?}", error / scale);
+            assert!(error < 1e-12 * scale, "{theory:?}: {:e}", error / scale);
             assert!(
-                ledger.viscous_dissipation > 1e-2 * greatest && ledger.plastic_dissipation > 0.0,
+                ledger.viscous_dissipation > 1e-2 * scale && ledger.plastic_dissipation > 0.0,
                 "{ledger:?}"
             );
             assert!(ledger.source_work != 0.0 && ledger.boundary_work != 0.0, "{ledger:?}");
@@ -423,7 +421,7 @@ fn stored_energy_is_that_of_the_springs() {
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
         let values = (0..20).map(|cell| noise(1000 * index as u64 + cell));
-        domain.set(field, &values.collect::<Vec<_>>());
+        domain.set_field(field, &values.collect::<Vec<_>>());
     }
     let stored: f64 = (0..20)
         .map(|cell| {
@@ -441,9 +439,9 @@ fn stored_energy_is_that_of_the_springs() {
 
 /// Returns the bits of the fields and of the cell sums of a snapshot.
 fn snapshot_bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
-    let of = |values: &Vec<T>| values.iter().map(|value| value.to_f64().to_bits()).collect();
+    let to_bits = |values: &Vec<T>| values.iter().map(|value| value.to_f64().to_bits()).collect();
     let sums = own.cell_sums.iter().map(|own| own.iter().map(|value| value.to_bits()).collect());
-    (own.fields.iter().map(of).collect(), sums.collect())
+    (own.fields.iter().map(to_bits).collect(), sums.collect())
 }
 
 /// Compares runs bit by bit: decompositions, instruction sets, resumed from a snapshot, and the reference solver.
@@ -459,26 +457,26 @@ fn compare_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory
             };
             for parts in [cut(D - 1, 1), cut(D - 1, 2), cut(D - 1, 3), cut(0, 2)] {
                 for instructions in InstructionSet::available_sets() {
-                    let make = || -> DecomposedDomain<T, D> {
-                        let mut split =
+                    let create_domain = || -> DecomposedDomain<T, D> {
+                        let mut domain =
                             DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
-                        split.set_instructions(instructions);
-                        split
+                        domain.set_instructions(instructions);
+                        domain
                     };
-                    let mut split = make();
-                    fill_with_noise(&mut split, 1.0);
-                    split.advance(7).expect("threads");
-                    let mut other = make();
-                    assert!(other.restore(&split.snapshot()));
-                    other.advance(12).expect("threads");
+                    let mut domain = create_domain();
+                    fill_with_noise(&mut domain, 1.0);
+                    domain.advance(7).expect("threads");
+                    let mut resumed = create_domain();
+                    assert!(resumed.restore(&domain.snapshot()));
+                    resumed.advance(12).expect("threads");
                     assert!(
-                        other.ledger().viscous_dissipation > 0.0
-                            && other.ledger().plastic_dissipation > 0.0
+                        resumed.ledger().viscous_dissipation > 0.0
+                            && resumed.ledger().plastic_dissipation > 0.0
                     );
-                    let found = snapshot_bits(&other.snapshot());
-                    split.advance(12).expect("threads");
+                    let found = snapshot_bits(&resumed.snapshot());
+                    domain.advance(12).expect("threads");
                     assert!(
-                        found == snapshot_bits(&split.snapshot()),
+                        found == snapshot_bits(&domain.snapshot()),
                         "{splitting:?} {parts:?}: after a snapshot"
                     );
                     let is_same = *expected.get_or_insert(found.clone()) == found;
@@ -505,8 +503,7 @@ fn results_do_not_depend_on_decomposition_or_instruction_set() {
     compare_bits::<f64, 3>([13, 6, 13], Theory::Reduced);
 }
 
-/// Verifies that cells without relaxation have no viscous strain, and that relaxing media used by no cell change
-/// nothing.
+/// Verifies that cells without relaxation have no viscous strain, and that unused relaxing media change nothing.
 #[test]
 fn unused_relaxing_media_change_nothing() {
     for theory in [Theory::Classical, Theory::Cosserat] {
@@ -515,19 +512,19 @@ fn unused_relaxing_media_change_nothing() {
             theory,
             return_mapping_scheme(Slopes::Limited, Splitting::Alternating),
         );
-        let mut split: DecomposedDomain<f64, 2> =
+        let mut domain: DecomposedDomain<f64, 2> =
             DecomposedDomain::new(&problem, 1).expect("sound");
-        for (index, field) in split.fields().to_vec().into_iter().enumerate() {
+        for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
             if !matches!(field, SolidField::ViscousStrain(..)) {
                 let values = (0..120).map(|cell| noise(1000 * index as u64 + cell));
-                split.set(field, &values.collect::<Vec<_>>());
+                domain.set_field(field, &values.collect::<Vec<_>>());
             }
         }
-        split.advance(20).expect("threads");
+        domain.advance(20).expect("threads");
         let history = problem.media[1].history_fields();
         assert_eq!(history.len(), 4);
         for field in history {
-            for (cell, value) in split.values(field).expect("a field").into_iter().enumerate() {
+            for (cell, value) in domain.values(field).expect("a field").into_iter().enumerate() {
                 let relaxes = [1, 2].contains(&problem.cell_media[cell]);
                 assert_eq!(value != 0.0, relaxes, "{field:?} in cell {cell}");
             }
@@ -539,19 +536,18 @@ fn unused_relaxing_media_change_nothing() {
         plain.media[1] = plain.media[0].clone();
         plain.media[2] = plain.media[3].clone();
         let [with, plain] = [without, plain].map(|problem| {
-            let mut split: DecomposedDomain<f64, 2> =
+            let mut domain: DecomposedDomain<f64, 2> =
                 DecomposedDomain::new(&problem, 1).expect("sound");
-            fill_with_noise(&mut split, 1.0);
-            split.advance(20).expect("threads");
-            (snapshot_bits(&split.snapshot()), split.fields().len())
+            fill_with_noise(&mut domain, 1.0);
+            domain.advance(20).expect("threads");
+            (snapshot_bits(&domain.snapshot()), domain.fields().len())
         });
         assert!(with.1 == plain.1 + 4 && with.0.0[..plain.1] == plain.0.0[..]);
         assert_eq!(with.0.1[0], plain.0.1[0]);
     }
 }
 
-/// Verifies that viscous strains belong to the state of a simulation, are checked for non-finite values, and have no
-/// sources.
+/// Verifies that viscous strains are saved in states, checked for non-finite values, and refused in sources.
 #[test]
 fn viscous_strains_belong_to_the_state() {
     let problem = mixed_problem(
@@ -564,33 +560,33 @@ fn viscous_strains_belong_to_the_state() {
         problem.fields()[problem.media[0].fields.len()..],
         problem.media[1].history_fields()
     );
-    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
+    let mut domain: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
     let mut values = vec![0.0; 72];
     values[40] = f64::NAN;
-    split.set(strain, &values);
-    assert_eq!(split.first_non_finite(), Some((strain, 40)));
+    domain.set_field(strain, &values);
+    assert_eq!(domain.first_non_finite(), Some((strain, 40)));
 
     let steps = TimeSteps::new(&problem.media, &[0.1; 2], 0.9, 1.0, 1.0).expect("few steps");
     let problem = Problem { step: steps.step, ..problem };
     for choice in [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference] {
-        let make = || {
+        let create_simulation = || {
             let start = (0..72).map(noise).collect::<Vec<_>>();
             let initial = vec![(SolidField::Velocity(0), start.clone()), (strain, start)];
             SolidSimulation::<f64, 2>::new(problem.clone(), steps, initial, Vec::new(), choice)
                 .expect("sound")
         };
-        let mut one = make();
-        assert!(one.advance(0.5 * steps.time(steps.count)).is_ok());
-        let state = one.state();
-        let mut other = make();
-        assert!(other.restore(&state) && one.steps() == other.steps() && one.steps() > 0);
-        assert_eq!(one.account(), other.account());
-        while !one.is_finished() {
-            assert!(one.advance(1.0).is_ok() && other.advance(1.0).is_ok());
+        let mut first = create_simulation();
+        assert!(first.advance(0.5 * steps.time(steps.count)).is_ok());
+        let state = first.state();
+        let mut second = create_simulation();
+        assert!(second.restore(&state) && first.steps() == second.steps() && first.steps() > 0);
+        assert_eq!(first.account(), second.account());
+        while !first.is_finished() {
+            assert!(first.advance(1.0).is_ok() && second.advance(1.0).is_ok());
         }
-        assert!(one.fields() == other.fields() && one.account() == other.account());
-        assert!(one.account().ledger.viscous_dissipation > 0.0);
-        assert_eq!(one.fields().values.len(), problem.fields().len());
+        assert!(first.fields() == second.fields() && first.account() == second.account());
+        assert!(first.account().ledger.viscous_dissipation > 0.0);
+        assert_eq!(first.fields().values.len(), problem.fields().len());
     }
 
     let amplitudes = vec![(strain, 1.0)];

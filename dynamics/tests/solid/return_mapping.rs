@@ -32,11 +32,11 @@ fn random_medium<const D: usize>(
     let factor = random.choose(&[1.0, 0.3, 2.3]);
     let strength = random.choose(&[0.02, 0.1, 0.1, 0.5]);
     let friction = random.choose(&[0.0, 0.2, 0.5, 1.5]);
-    let own = Medium::new(scaled_isotropic(theory, factor), D);
+    let medium = Medium::new(scaled_isotropic(theory, factor), D);
     let cone = Mises::new_drucker_prager(strength, friction, friction);
     let is_cosserat = theory == Theory::Cosserat;
-    own.clone().with_yield_set(match kind {
-        0 => return own,
+    medium.clone().with_yield_set(match kind {
+        0 => return medium,
         1 => YieldSet::from(cone),
         2 => YieldSet::from(Mises {
             antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
@@ -74,12 +74,12 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     let grid = Grid { cells, spacing: [0.1; D] };
     // Media by layers normal to the last axis, by stripes of five cells across the first axis, or at random.
     let (kind, count) = (random.uniform_index(3), media.len());
-    let of = |cell: usize| match kind {
+    let medium_index = |cell: usize| match kind {
         0 => cell / (grid.count() / cells[D - 1]) % count,
         1 => cell % cells[0] / 5 % count,
         _ => ((0.5 * noise(77 + cell as u64) + 0.5) * count as f64) as usize,
     };
-    let cell_media = (0..grid.count()).map(|cell| of(cell) as u16).collect();
+    let cell_media = (0..grid.count()).map(|cell| medium_index(cell) as u16).collect();
     let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     let mut plastic_step =
         random.choose(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]);
@@ -87,22 +87,22 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     if stress == 0 && !kinds.contains(&3) {
         plastic_step = PlasticStep::MidpointReflection;
     }
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, plastic_step);
-    let mut problem = Problem::new(grid, media, cell_media, sides, 1.8 * 0.1 / speed, scheme);
+    let mut problem = Problem::new(grid, media, cell_media, boundaries, 1.8 * 0.1 / speed, scheme);
     let axis = [0, D - 1, 1][stress % 3];
     let layers = |layer: usize| {
-        let mut own = Stress::default();
+        let mut layer_stress = Stress::default();
         for i in 0..3 {
-            own.force[i][i] = -0.05 * layer as f64 - 0.01 * i as f64;
+            layer_stress.force[i][i] = -0.05 * layer as f64 - 0.01 * i as f64;
         }
         if stress == 2 {
-            own.force[0][1] = 0.01;
-            own.force[1][0] = if theory == Theory::Classical { 0.01 } else { 0.015 };
-            own.force[0][2] = 0.005;
-            own.force[2][0] = 0.005;
+            layer_stress.force[0][1] = 0.01;
+            layer_stress.force[1][0] = if theory == Theory::Classical { 0.01 } else { 0.015 };
+            layer_stress.force[0][2] = 0.005;
+            layer_stress.force[2][0] = 0.005;
         }
-        own
+        layer_stress
     };
     if stress > 0 {
         problem.initial_stress = Some((axis, (0..cells[axis]).map(layers).collect()));
@@ -116,23 +116,23 @@ fn run_solver<T: SolverReal, const D: usize>(
     instructions: InstructionSet,
     is_scalar: bool,
 ) -> Snapshot<T> {
-    let mut split: DecomposedDomain<T, D> =
+    let mut decomposed: DecomposedDomain<T, D> =
         DecomposedDomain::new(problem, 1).expect("a sound problem");
-    split.set_instructions(instructions);
+    decomposed.set_instructions(instructions);
     if is_scalar {
-        split.use_scalar_mapping();
+        decomposed.use_scalar_mapping();
     }
     let count = problem.grid.count();
-    for (index, field) in split.fields().to_vec().into_iter().enumerate() {
+    for (index, field) in decomposed.fields().to_vec().into_iter().enumerate() {
         // Some values are zeros, of either sign.
         let value = |cell: usize| {
-            let own = noise(seed + (index * count + cell) as u64);
-            T::from_f64(if own.abs() < 0.2 { 0.0 * own } else { 0.7 * own })
+            let sample = noise(seed + (index * count + cell) as u64);
+            T::from_f64(if sample.abs() < 0.2 { 0.0 * sample } else { 0.7 * sample })
         };
-        split.set(field, &(0..count).map(value).collect::<Vec<_>>());
+        decomposed.set_field(field, &(0..count).map(value).collect::<Vec<_>>());
     }
-    split.advance(5).expect("threads");
-    split.snapshot()
+    decomposed.advance(5).expect("threads");
+    decomposed.snapshot()
 }
 
 fn compare_vector_and_scalar_mapping<T: SolverReal, const D: usize>(first: u64) {
@@ -145,15 +145,15 @@ fn compare_vector_and_scalar_mapping<T: SolverReal, const D: usize>(first: u64) 
         let problem = random_problem::<D>(&mut random);
         let seed = random.seed() + random.drawn_count() + (1 << 30);
         let expected: Snapshot<T> = run_solver(&problem, seed, InstructionSet::Baseline, true);
-        let lost = expected.cell_sums[0].iter().filter(|lost| **lost > 0.0).count();
-        yielding += usize::from(4 * lost > expected.cell_sums[0].len());
+        let yielded = expected.cell_sums[0].iter().filter(|own| **own > 0.0).count();
+        yielding += usize::from(4 * yielded > expected.cell_sums[0].len());
         with_initial_stress += usize::from(expected.cell_sums[1].iter().any(|own| *own != 0.0));
         for instructions in InstructionSet::available_sets() {
             let found: Snapshot<T> = run_solver(&problem, seed, instructions, false);
-            let what = format!("problem {number}, {instructions:?}");
-            assert!(bits(&expected.fields) == bits(&found.fields), "{what}: fields");
-            assert_eq!(expected.cell_sums, found.cell_sums, "{what}");
-            assert_eq!(expected.work_sums, found.work_sums, "{what}");
+            let label = format!("problem {number}, {instructions:?}");
+            assert!(bits(&expected.fields) == bits(&found.fields), "{label}: fields");
+            assert_eq!(expected.cell_sums, found.cell_sums, "{label}");
+            assert_eq!(expected.work_sums, found.work_sums, "{label}");
         }
     }
     assert!(
@@ -206,16 +206,18 @@ fn find_closest_stress(
     set: &Mises,
     trial: &PlaneStrainStress,
 ) -> PlaneStrainStress {
-    let own = compliance(solid);
-    let matrix: Vec<Vec<f64>> = own
+    let stress_compliance = compliance(solid);
+    let matrix: Vec<Vec<f64>> = stress_compliance
         .iter()
         .enumerate()
         .map(|(i, row)| {
             row.iter().enumerate().map(|(j, c)| if i <= j { *c } else { 0.0 }).collect()
         })
         .collect();
-    let q: Vec<f64> =
-        own.iter().map(|row| -row.iter().zip(trial).map(|(c, s)| c * s).sum::<f64>()).collect();
+    let q: Vec<f64> = stress_compliance
+        .iter()
+        .map(|row| -row.iter().zip(trial).map(|(c, s)| c * s).sum::<f64>())
+        .collect();
     // b − A s = (k − κσ_m, components of the shear intensity τ̄) lies in the second-order cone: τ̄ ≤ k − κσ_m, with the
     // strength k, the friction κ and the mean stress σ_m.
     let (third, sixth) = (set.friction / 3.0, (1.0f64 / 6.0).sqrt());
@@ -247,16 +249,16 @@ fn find_closest_stress(
 fn mapped_total_stresses_are_the_closest_by_a_conic_solver() {
     let solid = isotropic(Theory::Classical, 1.0);
     let compliance = compliance(&solid);
-    let (mut mapped, mut apex) = (0, 0);
+    let (mut mapped_count, mut apex_count) = (0, 0);
     for friction in [0.0, 0.4, 1.2] {
         let set = Mises::new_drucker_prager(0.3, friction, friction);
         let medium = Medium::new(solid, 2).with_yield_set(YieldSet::from(set));
         let grid = Grid { cells: [17, 6], spacing: [0.1; 2] };
-        let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+        let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let step = 0.1 / medium.max_speed();
         let mut problem =
-            Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme);
+            Problem::new(grid, vec![medium], vec![0; grid.count()], boundaries, step, scheme);
         let stress = |layer: usize| {
             let mut stress = Stress::default();
             for i in 0..3 {
@@ -273,7 +275,7 @@ fn mapped_total_stresses_are_the_closest_by_a_conic_solver() {
                 let tension = if is_normal && cell.is_multiple_of(3) { 2.0 } else { 0.0 };
                 tension + 1.5 * noise((1000 * index + cell) as u64)
             };
-            domain.set(field, &(0..grid.count()).map(value).collect::<Vec<_>>());
+            domain.set_field(field, &(0..grid.count()).map(value).collect::<Vec<_>>());
         }
         let plane = |stress: &Stress| -> PlaneStrainStress {
             [stress.force[0][0], stress.force[1][1], stress.force[2][2], stress.force[0][1]]
@@ -281,24 +283,32 @@ fn mapped_total_stresses_are_the_closest_by_a_conic_solver() {
         let after = domain.to_admissible();
         for cell in 0..grid.count() {
             let trial = plane(&domain.total_stress(cell));
-            let own = plane(&after.total_stress(cell));
+            let mapped_stress = plane(&after.total_stress(cell));
             let distance = |s: &PlaneStrainStress| {
                 energy_density(&compliance, &std::array::from_fn(|i| s[i] - trial[i]))
             };
-            let theirs = find_closest_stress(&solid, &set, &trial);
+            let conic_stress = find_closest_stress(&solid, &set, &trial);
             let scale = energy_density(&compliance, &trial);
             // The mapped stress is as close as that of the conic solver, and in the yield set: the closest stress is
             // unique.
-            let excess = (distance(&own) - distance(&theirs)) / scale;
+            let excess = (distance(&mapped_stress) - distance(&conic_stress)) / scale;
             assert!(excess <= 1e-9, "{excess:e} at {trial:?}");
-            let mean = (own[0] + own[1] + own[2]) / 3.0;
-            let squares = [own[0] - own[1], own[1] - own[2], own[2] - own[0]];
-            let shear = squares.map(|d| d * d / 6.0).iter().sum::<f64>() + own[3] * own[3];
+            let mean = (mapped_stress[0] + mapped_stress[1] + mapped_stress[2]) / 3.0;
+            let squares = [
+                mapped_stress[0] - mapped_stress[1],
+                mapped_stress[1] - mapped_stress[2],
+                mapped_stress[2] - mapped_stress[0],
+            ];
+            let shear = squares.map(|d| d * d / 6.0).iter().sum::<f64>()
+                + mapped_stress[3] * mapped_stress[3];
             let value = shear.sqrt() + friction * mean - set.strength;
             assert!(value <= 1e-13 * (1.0 + trial[0].abs()), "{value:e} beyond at {trial:?}");
-            mapped += usize::from(own != trial);
-            apex += usize::from(own != trial && shear < 1e-20);
+            mapped_count += usize::from(mapped_stress != trial);
+            apex_count += usize::from(mapped_stress != trial && shear < 1e-20);
         }
     }
-    assert!(mapped > 100 && apex > 3, "{mapped} mapped, {apex} to the apex");
+    assert!(
+        mapped_count > 100 && apex_count > 3,
+        "{mapped_count} mapped, {apex_count} to the apex"
+    );
 }

@@ -50,7 +50,7 @@ impl WaveState {
     }
 }
 
-/// Half-space and loading.
+/// Impact of a half-space: material, strength and amplitudes of both simple waves.
 #[derive(Clone, Copy, Debug)]
 pub struct PressureShearImpact {
     pub solid: Isotropic,
@@ -119,13 +119,13 @@ impl PressureShearImpact {
         let Isotropic { lambda, mu, .. } = self.solid;
         let elastic = lambda + 2.0 * mu;
         let speed = (elastic / density).sqrt();
-        let rest = WaveState { shear: self.initial_shear_stress, ..WaveState::default() };
+        let initial = WaveState { shear: self.initial_shear_stress, ..WaveState::default() };
         let mut angle = (self.initial_shear_stress / k).asin();
         let mut normal_stress =
             1.5 * k * Self::yield_surface_point(angle)[0] * elastic / (2.0 * mu);
         let mut velocity = [-normal_stress / (density * speed), 0.0];
         let mut points =
-            vec![(speed, rest), (speed, self.state_at_yield(angle, normal_stress, velocity))];
+            vec![(speed, initial), (speed, self.state_at_yield(angle, normal_stress, velocity))];
         let wave_speed = |angle: f64, which: usize| (self.moduli(angle).1[which] / density).sqrt();
         let first = points.len();
         points.push((wave_speed(angle, 0), points[1].1));
@@ -170,13 +170,13 @@ impl PressureShearImpact {
 /// Computes the increments of one fourth-order Runge–Kutta step; all rates depend on the first quantity only.
 fn runge_kutta_step<const N: usize>(
     rate: impl Fn(f64) -> [f64; N],
-    at: f64,
+    start: f64,
     step: f64,
 ) -> [f64; N] {
-    let a = rate(at);
-    let b = rate(at + 0.5 * step * a[0]);
-    let c = rate(at + 0.5 * step * b[0]);
-    let d = rate(at + step * c[0]);
+    let a = rate(start);
+    let b = rate(start + 0.5 * step * a[0]);
+    let c = rate(start + 0.5 * step * b[0]);
+    let d = rate(start + step * c[0]);
     std::array::from_fn(|i| step / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i]))
 }
 
@@ -193,8 +193,8 @@ impl SelfSimilarSolution {
             return self.points[0].1;
         }
         let Some(&(slower, behind)) = self.points.get(next) else { return self.boundary_state() };
-        let (faster, ahead) = self.points[next - 1];
-        ahead.interpolate(behind, (faster - speed) / (faster - slower))
+        let (faster, faster_state) = self.points[next - 1];
+        faster_state.interpolate(behind, (faster - speed) / (faster - slower))
     }
 
     /// Computes the mean state over an interval of x₁ (m) at a time (s) from samples.
@@ -203,9 +203,9 @@ impl SelfSimilarSolution {
         let mut sum = [0.0; 5];
         for sample in 0..SAMPLE_COUNT {
             let x = from + (sample as f64 + 0.5) / SAMPLE_COUNT as f64 * (to - from);
-            let own = self.state_at(x / time).to_array();
-            for (sum, own) in sum.iter_mut().zip(own) {
-                *sum += own / SAMPLE_COUNT as f64;
+            let state = self.state_at(x / time).to_array();
+            for (sum, value) in sum.iter_mut().zip(state) {
+                *sum += value / SAMPLE_COUNT as f64;
             }
         }
         WaveState {

@@ -141,12 +141,18 @@ fn pulse_simulation_with_duration(
     let (cells, spacing) = ([20, 12], [0.1, 0.1]);
     let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, duration);
     let steps = steps.expect("few steps");
-    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     let cell_media = vec![0; 240];
     let probe = Probe::with_interpolation(&cells, &[false; 2], &cell_media, 105, &[5.3, 4.9]);
-    let mut problem =
-        Problem::new(Grid { cells, spacing }, vec![medium], cell_media, sides, steps.step, scheme);
+    let mut problem = Problem::new(
+        Grid { cells, spacing },
+        vec![medium],
+        cell_media,
+        boundaries,
+        steps.step,
+        scheme,
+    );
     problem.sources = vec![Source {
         cells: vec![(50, 1.0)],
         amplitudes: vec![(SolidField::Velocity(0), 1.0)],
@@ -167,7 +173,7 @@ fn pulse_simulation_with_duration(
         .expect("a sound problem")
 }
 
-fn output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
+fn build_output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
     OutputTimes {
         accounts: RegularTimes::new(accounts, duration),
         snapshots: Some(RegularTimes::new(snapshots, duration)),
@@ -180,11 +186,11 @@ fn output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
 fn resumed_solid_runs_deliver_the_same_bits() {
     let mut logs = Vec::new();
     for solver in SOLVER_CHOICES {
-        let new = || pulse_simulation(f64::sin, solver);
-        let steps = new().time_steps();
-        let output = output_times(7.0 * steps.step, 0.31, RUN_DURATION);
-        check_interruptions(new, &output);
-        let (log, end, state) = run_with_interruptions(new, &output, None);
+        let create_simulation = || pulse_simulation(f64::sin, solver);
+        let steps = create_simulation().time_steps();
+        let output = build_output_times(7.0 * steps.step, 0.31, RUN_DURATION);
+        check_interruptions(create_simulation, &output);
+        let (log, end, state) = run_with_interruptions(create_simulation, &output, None);
         assert_eq!((log.records.len(), state.steps), (steps.count + 1, steps.count));
         assert_eq!(log.accounts.len(), steps.count.div_ceil(7) + 1);
         assert_eq!(log.snapshots.len(), 14);
@@ -208,12 +214,12 @@ fn faults_end_the_run_at_the_last_sound_state() {
 
 fn check_fault(solver: SolverChoice) {
     let strength = |t: f64| if t < 2.2 { t.sin() } else { f64::INFINITY };
-    let new = || pulse_simulation(strength, solver);
-    let steps = new().time_steps();
-    let output = output_times(7.0 * steps.step, 0.31, RUN_DURATION);
+    let create_simulation = || pulse_simulation(strength, solver);
+    let steps = create_simulation().time_steps();
+    let output = build_output_times(7.0 * steps.step, 0.31, RUN_DURATION);
     let (sound, _, _) =
         run_with_interruptions(|| pulse_simulation(f64::sin, solver), &output, None);
-    let (whole, end, state) = run_with_interruptions(new, &output, None);
+    let (whole, end, state) = run_with_interruptions(create_simulation, &output, None);
     let fault = end.fault.expect("a fault");
     assert!(fault.location.is_some() && fault.time > state.time);
     assert!((state.time - 2.2).abs() < 2.0 * steps.step, "{}", state.time);
@@ -225,7 +231,7 @@ fn check_fault(solver: SolverChoice) {
     assert!(!state.steps.is_multiple_of(7));
     assert_eq!(whole.accounts[..due], sound.accounts[..due]);
     assert_eq!(whole.accounts[due..], [format!("{:?}", end.last_account)]);
-    let (log, _, same) = run_with_interruptions(new, &output, Some(2));
+    let (log, _, same) = run_with_interruptions(create_simulation, &output, Some(2));
     assert_eq!((log.records, log.accounts, same), (whole.records, whole.accounts, state));
 }
 
@@ -236,14 +242,15 @@ fn faults_are_located_from_the_last_saved_state() {
     const LONG_DURATION: f64 = 40.0;
     const FAULT_TIME: f64 = 37.0;
     let strength = |t: f64| if t < FAULT_TIME { t.sin() } else { f64::INFINITY };
-    let new = || pulse_simulation_with_duration(strength, SOLVER_CHOICES[0], LONG_DURATION);
-    let step = new().time_steps().step;
+    let create_simulation =
+        || pulse_simulation_with_duration(strength, SOLVER_CHOICES[0], LONG_DURATION);
+    let step = create_simulation().time_steps().step;
     // A long account interval, so that steps are made in large batches.
     let output =
         OutputTimes { accounts: RegularTimes::new(LONG_DURATION, LONG_DURATION), snapshots: None };
-    let mut all = Vec::new();
+    let mut outcomes = Vec::new();
     for save_after in [None, Some(1), Some(usize::MAX)] {
-        let mut simulation = new();
+        let mut simulation = create_simulation();
         let batch_count = (FAULT_TIME / step) as usize / 64;
         let save_after = save_after.map(|own: usize| own.min(batch_count));
         let mut log = OutputLog { save_after, ..OutputLog::default() };
@@ -256,26 +263,26 @@ fn faults_are_located_from_the_last_saved_state() {
         };
         assert_eq!(log.replay_count, replayed, "{save_after:?}");
         assert!(batch_count > 1, "{batch_count}");
-        all.push((log.records, log.accounts, simulation.state()));
+        outcomes.push((log.records, log.accounts, simulation.state()));
         // The repetition can be interrupted between two batches.
         if replayed > 1 {
             let mut log = OutputLog { save_after, max_replays: Some(1), ..OutputLog::default() };
-            assert!(run_simulation(&mut new(), &output, false, &mut log).is_err());
+            assert!(run_simulation(&mut create_simulation(), &output, false, &mut log).is_err());
             assert_eq!(log.replay_count, 2);
         }
     }
-    assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
+    assert!(outcomes.windows(2).all(|pair| pair[0] == pair[1]));
     // After resuming from a saved state, only the steps since that state are repeated.
-    let mut first = new();
+    let mut first = create_simulation();
     let mut log = OutputLog { interruption_interval: Some(1), ..OutputLog::default() };
     let end = run_simulation(&mut first, &output, false, &mut log);
     let Err(RunError::Observer(state)) = end else { panic!("an interruption") };
-    let mut second = new();
+    let mut second = create_simulation();
     assert!(second.restore(&state));
     let mut log = OutputLog::default();
     run_simulation(&mut second, &output, true, &mut log).expect("no interruption");
     assert_eq!(log.replay_count, (FAULT_TIME / step) as usize / 64 - 1);
-    assert_eq!(second.state(), all[0].2);
+    assert_eq!(second.state(), outcomes[0].2);
 }
 
 /// Verifies that resumed runs of flows deliver the same bits: accounts and snapshots are taken between steps.
@@ -290,14 +297,15 @@ fn resumed_flow_runs_deliver_the_same_bits() {
     let waves = [plane_wave([1, 0], 1e-3, 0.3), plane_wave([1, -2], 2e-3, 1.0)];
     let [v1, v2] = Lattice { points: problem.points, lengths: problem.lengths }
         .evaluate_transverse(&waves, None);
-    let new = || {
-        let mut own = FlowSimulation::new(&problem, duration, vec![3, 77]).expect("a problem");
-        own.perturb([&v1, &v2], &[0.0; 256]).expect("a stress");
-        own
+    let create_simulation = || {
+        let mut simulation =
+            FlowSimulation::new(&problem, duration, vec![3, 77]).expect("a problem");
+        simulation.perturb([&v1, &v2], &[0.0; 256]).expect("a stress");
+        simulation
     };
-    let output = output_times(duration / 13.0, duration / 7.5, duration);
-    check_interruptions(new, &output);
-    let (log, _, state) = run_with_interruptions(new, &output, None);
+    let output = build_output_times(duration / 13.0, duration / 7.5, duration);
+    check_interruptions(create_simulation, &output);
+    let (log, _, state) = run_with_interruptions(create_simulation, &output, None);
     assert_eq!(log.records.len(), state.steps + 1);
     assert_eq!((log.accounts.len(), log.snapshots.len()), (14, 9));
 }

@@ -27,12 +27,12 @@ type Lanes = <f64 as Real>::Lanes;
 #[derive(Clone, Debug, PartialEq)]
 struct LostNeighbour;
 
-/// Channels to and from a neighbour.
-type NeighbourChannel = (Sender<Vec<Lanes>>, Receiver<Vec<Lanes>>);
+/// Sender to and receiver from a neighbouring subdomain.
+type ChannelPair = (Sender<Vec<Lanes>>, Receiver<Vec<Lanes>>);
 
 /// Channels to neighbours by axis and end; sending fails after `remaining_messages` messages.
 struct ChannelExchange {
-    channels: HashMap<(usize, usize), NeighbourChannel>,
+    channels: HashMap<(usize, usize), ChannelPair>,
     remaining_messages: usize,
 }
 
@@ -43,25 +43,26 @@ impl HaloExchange<Lanes> for ChannelExchange {
         &mut self,
         axis: usize,
         end: usize,
-        data: &[Lanes],
+        values: &[Lanes],
         ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), LostNeighbour> {
         let Some((to, _)) = self.channels.get(&(axis, end)) else { return Ok(()) };
         self.remaining_messages = self.remaining_messages.checked_sub(1).ok_or(LostNeighbour)?;
-        to.send(ranges.flat_map(|range| data[range].to_vec()).collect()).map_err(|_| LostNeighbour)
+        to.send(ranges.flat_map(|range| values[range].to_vec()).collect())
+            .map_err(|_| LostNeighbour)
     }
 
     fn receive(
         &mut self,
         axis: usize,
         end: usize,
-        data: &mut [Lanes],
+        values: &mut [Lanes],
         ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), LostNeighbour> {
         let Some((_, from)) = self.channels.get(&(axis, end)) else { return Ok(()) };
         let mut received = from.recv().map_err(|_| LostNeighbour)?.into_iter();
         for range in ranges {
-            data[range].iter_mut().zip(&mut received).for_each(|(own, new)| *own = new);
+            values[range].iter_mut().zip(&mut received).for_each(|(own, new)| *own = new);
         }
         assert!(received.next().is_none(), "neighbours agree on the length of messages");
         Ok(())
@@ -72,19 +73,19 @@ fn connect_subdomains<const D: usize>(
     plan: &Decomposition<D>,
     remaining_messages: usize,
 ) -> Vec<ChannelExchange> {
-    let parts = plan.regions().len();
-    let mut all: Vec<_> = (0..parts)
+    let subdomain_count = plan.regions().len();
+    let mut exchanges: Vec<_> = (0..subdomain_count)
         .map(|_| ChannelExchange { channels: HashMap::new(), remaining_messages })
         .collect();
-    for part in 0..parts {
+    for part in 0..subdomain_count {
         for axis in 0..D {
             let Some(next) = plan.neighbour(part, axis, 1) else { continue };
             let ((to, from_part), (back, from_next)) = (channel(), channel());
-            all[part].channels.insert((axis, 1), (to, from_next));
-            all[next].channels.insert((axis, 0), (back, from_part));
+            exchanges[part].channels.insert((axis, 1), (to, from_next));
+            exchanges[next].channels.insert((axis, 0), (back, from_part));
         }
     }
-    all
+    exchanges
 }
 
 fn two_media<const D: usize>() -> Vec<Medium> {
@@ -104,9 +105,9 @@ fn region_problem<const D: usize>(
     let step = 1.9 * 0.1 / speed;
     let cells = region.global_cells();
     let cell_media = cells.iter().map(|&cell| u16::from(noise(cell as u64) > 0.2)).collect();
-    let mut sides: [[Boundary; 2]; D] =
+    let mut boundaries: [[Boundary; 2]; D] =
         std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
-    sides[1] = [Boundary::Periodic, Boundary::Periodic];
+    boundaries[1] = [Boundary::Periodic, Boundary::Periodic];
     // Three kinds of conditions alternate from face to face and from pair to pair.
     let condition = |pair: usize, face: usize| match (pair + face) % 3 {
         0 => Condition::Velocity(0.1),
@@ -116,9 +117,9 @@ fn region_problem<const D: usize>(
     let pairs = media[0].pairs[0].len();
     let faces = region.global_faces(0);
     let by_face = |pair: usize| faces.iter().map(|&face| condition(pair, face)).collect::<Vec<_>>();
-    sides[0][1] = Boundary::ByFace((0..pairs).map(by_face).collect());
+    boundaries[0][1] = Boundary::ByFace((0..pairs).map(by_face).collect());
     let scheme = Scheme { splitting, ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping) };
-    let mut problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+    let mut problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
     let signal: Signal = Arc::new(move |time: f64| 0.3 * (0.7 * time / step).sin());
     let loaded = faces.iter().enumerate().filter(|(_, face)| **face % 2 == 0);
     problem.loads.push(Load {
@@ -161,7 +162,7 @@ fn run_passes<const D: usize>(
     let cells = region.owned_global_cells();
     for (index, field) in fields.iter().enumerate() {
         let values: Vec<f64> = cells.iter().map(|&cell| initial_value(index, cell)).collect();
-        domain.set(*field, &values);
+        domain.set_field(*field, &values);
     }
     for _ in 0..passes {
         domain.advance_pass(1, channels)?;
@@ -203,8 +204,8 @@ fn compare_decompositions<const D: usize>(
     let whole = Region::from_grid(cells);
     let problem = region_problem(grid, &whole, splitting);
     let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
-    let mut nobody = ChannelExchange { channels: HashMap::new(), remaining_messages: 0 };
-    let expected = run_passes(&mut domain, &whole, &mut nobody, 12).expect("no neighbours");
+    let mut no_exchange = ChannelExchange { channels: HashMap::new(), remaining_messages: 0 };
+    let expected = run_passes(&mut domain, &whole, &mut no_exchange, 12).expect("no neighbours");
     assert!(domain.ledger().plastic_dissipation > 0.0 && domain.ledger().source_work != 0.0);
     let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
     for &parts in cuts {
@@ -238,18 +239,18 @@ fn restricted_problem_equals_the_problem_built_from_coordinates() {
     let whole = region_problem(grid, &Region::from_grid(grid.cells), Splitting::TwoCyclic);
     let plan = Decomposition::new(&grid, [false, true, false], whole.pass_limits(), [2, 2, 2]);
     for region in plan.expect("room").regions() {
-        let own = region_problem(grid, region, Splitting::TwoCyclic);
+        let expected = region_problem(grid, region, Splitting::TwoCyclic);
         let restricted = whole.restrict_to(region);
-        assert_eq!(own.cell_media, restricted.cell_media);
-        assert_eq!(own.boundaries, restricted.boundaries);
+        assert_eq!(expected.cell_media, restricted.cell_media);
+        assert_eq!(expected.boundaries, restricted.boundaries);
         // The lists of the restricted problem are in the order of the whole grid, which differs from that of the region
         // where a halo wraps around: sort them by the index in the region.
         let (mut faces, mut cells) =
             (restricted.loads[0].faces.clone(), restricted.sources[0].cells.clone());
         faces.sort_by_key(|own| own.0);
         cells.sort_by_key(|own| own.0);
-        assert_eq!(own.loads[0].faces, faces);
-        assert_eq!(own.sources[0].cells, cells);
+        assert_eq!(expected.loads[0].faces, faces);
+        assert_eq!(expected.sources[0].cells, cells);
     }
 }
 

@@ -39,24 +39,24 @@ fn field_in_frame(field: SolidField, frame: Frame) -> SolidField {
 
 /// Returns the indices of a cell along the axes of the body.
 fn body_indices(cell: usize, frame: Frame) -> [usize; 3] {
-    let mut along = [0; 3];
-    let mut rest = cell;
+    let mut indices = [0; 3];
+    let mut remaining_index = cell;
     for axis in 0..3 {
-        let own = frame.iter().position(|to| *to == axis).expect("an axis");
-        along[own] = rest % BODY_CELLS[own];
-        rest /= BODY_CELLS[own];
+        let body_axis = frame.iter().position(|to| *to == axis).expect("an axis");
+        indices[body_axis] = remaining_index % BODY_CELLS[body_axis];
+        remaining_index /= BODY_CELLS[body_axis];
     }
-    along
+    indices
 }
 
-fn cell_in_frame(at: [usize; 3], frame: Frame) -> usize {
-    let all: usize = BODY_CELLS.iter().product();
-    (0..all).find(|cell| body_indices(*cell, frame) == at).expect("a cell")
+fn cell_in_frame(indices: [usize; 3], frame: Frame) -> usize {
+    let cell_count: usize = BODY_CELLS.iter().product();
+    (0..cell_count).find(|cell| body_indices(*cell, frame) == indices).expect("a cell")
 }
 
 /// Returns a pseudo-random number for a cell of the body and a quantity.
-fn cell_noise(place: [usize; 3], number: usize) -> f64 {
-    noise((place[0] + 100 * (place[1] + 100 * (place[2] + 100 * number))) as u64)
+fn body_cell_noise(indices: [usize; 3], number: usize) -> f64 {
+    noise((indices[0] + 100 * (indices[1] + 100 * (indices[2] + 100 * number))) as u64)
 }
 
 fn problem_in_frame(frame: Frame) -> Problem<3> {
@@ -96,20 +96,25 @@ fn problem_in_frame(frame: Frame) -> Problem<3> {
         }
     };
     let face_cells = |own: usize| -> Vec<[usize; 3]> {
-        (0..count).map(|cell| body_indices(cell, frame)).filter(|place| place[own] == 0).collect()
+        (0..count)
+            .map(|cell| body_indices(cell, frame))
+            .filter(|indices| indices[own] == 0)
+            .collect()
     };
     let by_face = |end: usize| {
         let pairs = media[0].pairs[frame[0]].iter();
-        let of_pair = |velocity: SolidField| {
-            let condition =
-                |place: &[usize; 3]| match cell_noise(*place, component(velocity, 10 * end)) {
-                    value if value < -0.3 => Condition::Velocity(0.1 * value),
-                    value if value < 0.3 => Condition::Traction(0.1 * value),
-                    _ => Condition::NonReflecting,
-                };
+        let pair_conditions = |velocity: SolidField| {
+            let condition = |indices: &[usize; 3]| match body_cell_noise(
+                *indices,
+                component(velocity, 10 * end),
+            ) {
+                value if value < -0.3 => Condition::Velocity(0.1 * value),
+                value if value < 0.3 => Condition::Traction(0.1 * value),
+                _ => Condition::NonReflecting,
+            };
             face_cells(0).iter().map(condition).collect()
         };
-        Boundary::ByFace(pairs.map(|pair| of_pair(pair.velocity)).collect())
+        Boundary::ByFace(pairs.map(|pair| pair_conditions(pair.velocity)).collect())
     };
     let mut boundaries = [(); 3].map(|()| [Boundary::Periodic, Boundary::Periodic]);
     boundaries[frame[0]] = [by_face(0), by_face(1)];
@@ -124,12 +129,13 @@ fn problem_in_frame(frame: Frame) -> Problem<3> {
     let normal = SolidField::Velocity(frame[2]);
     let pairs = &problem.media[0].pairs[frame[2]];
     let pair = pairs.iter().position(|pair| pair.velocity == normal).expect("a pair");
-    let faces = face_cells(2).iter().map(|place| cell_noise(*place, 50)).enumerate().collect();
+    let faces =
+        face_cells(2).iter().map(|indices| body_cell_noise(*indices, 50)).enumerate().collect();
     let signal = Arc::new(move |time: f64| 0.3 * (0.7 * time / step).sin());
     problem.loads.push(Load { axis: frame[2], end: 0, pair, faces, signal: signal.clone() });
     let amplitudes = [SolidField::Velocity(1), SolidField::Spin(0), SolidField::Stress(0, 2)];
     problem.sources.push(Source {
-        cells: [[3, 4, 5], [10, 0, 8]].map(|at| (cell_in_frame(at, frame), 0.5)).to_vec(),
+        cells: [[3, 4, 5], [10, 0, 8]].map(|indices| (cell_in_frame(indices, frame), 0.5)).to_vec(),
         amplitudes: amplitudes.map(|own| (field_in_frame(own, frame), 1e-3)).to_vec(),
         signal,
     });
@@ -143,7 +149,7 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
     let watched = [[0, 0, 0], [5, 6, 7], [10, 12, 8], [3, 1, 0]];
     let run = |frame: Frame, first: usize, parts: usize| {
         let problem = problem_in_frame(frame);
-        let mut split =
+        let mut decomposed =
             DecomposedDomain::<f64, 3>::with_first_axis(first, &problem, parts).expect("sound");
         let count: usize = BODY_CELLS.iter().product();
         // Fields in the order of the solver in the frame of the body.
@@ -152,31 +158,33 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
             .fields()
             .to_vec();
         for (number, own) in fields.iter().enumerate() {
-            let value = |cell: usize| 0.2 * cell_noise(body_indices(cell, frame), 100 + number);
-            split.set(field_in_frame(*own, frame), &(0..count).map(value).collect::<Vec<_>>());
+            let value =
+                |cell: usize| 0.2 * body_cell_noise(body_indices(cell, frame), 100 + number);
+            decomposed
+                .set_field(field_in_frame(*own, frame), &(0..count).map(value).collect::<Vec<_>>());
         }
-        split.watch_cells(&watched.map(|at| cell_in_frame(at, frame)));
-        split.advance(steps).expect("threads");
-        let inner = split.fields().to_vec();
-        let place_of =
-            |own: SolidField| inner.iter().position(|to| *to == field_in_frame(own, frame));
+        decomposed.watch_cells(&watched.map(|at| cell_in_frame(at, frame)));
+        decomposed.advance(steps).expect("threads");
+        let solver_fields = decomposed.fields().to_vec();
+        let index_of =
+            |own: SolidField| solver_fields.iter().position(|to| *to == field_in_frame(own, frame));
         // Results by field and cell of the body: output values, solver values, records, dissipated energy.
         let cells: Vec<usize> =
             (0..count).map(|own| cell_in_frame(body_indices(own, BODY_FRAME), frame)).collect();
-        let shown = split.output_values();
-        let records = split.take_records();
-        let width = split.quantity_count();
-        let mut all: Vec<Vec<f64>> = Vec::new();
+        let output = decomposed.output_values();
+        let records = decomposed.take_records();
+        let width = decomposed.quantity_count();
+        let mut results: Vec<Vec<f64>> = Vec::new();
         for own in fields {
-            let index = place_of(own).expect("a field");
-            all.push(cells.iter().map(|cell| shown[index][*cell]).collect());
-            let values = split.values(field_in_frame(own, frame)).expect("a field");
-            all.push(cells.iter().map(|cell| values[*cell]).collect());
-            all.push(records.chunks_exact(width).map(|cell| cell[index]).collect());
+            let index = index_of(own).expect("a field");
+            results.push(cells.iter().map(|cell| output[index][*cell]).collect());
+            let values = decomposed.values(field_in_frame(own, frame)).expect("a field");
+            results.push(cells.iter().map(|cell| values[*cell]).collect());
+            results.push(records.chunks_exact(width).map(|values| values[index]).collect());
         }
-        let dissipated = split.plastic_dissipation();
-        all.push(cells.iter().map(|cell| dissipated[*cell]).collect());
-        (all, split.energy().total(), split.ledger().boundary_work)
+        let dissipated = decomposed.plastic_dissipation();
+        results.push(cells.iter().map(|cell| dissipated[*cell]).collect());
+        (results, decomposed.energy().total(), decomposed.ledger().boundary_work)
     };
     let (rotated, energy, inflow) = run(ROTATED_FRAME, 0, 1);
     let (same, _, _) = run(BODY_FRAME, 2, 3);
@@ -193,28 +201,33 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
     assert_eq!(bits(&same), bits(&found));
     // The reference solver agrees if its sweeps start with the same axis.
     let problem = problem_in_frame(BODY_FRAME);
-    let mut split = DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 1).expect("sound");
+    let mut decomposed =
+        DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 1).expect("sound");
     let mut reference = Reference::<f64, 3>::with_first_axis(2, &problem).expect("sound");
     let count: usize = BODY_CELLS.iter().product();
-    for (number, field) in split.fields().to_vec().into_iter().enumerate() {
-        let value = |cell: usize| 0.2 * cell_noise(body_indices(cell, BODY_FRAME), 100 + number);
+    for (number, field) in decomposed.fields().to_vec().into_iter().enumerate() {
+        let value =
+            |cell: usize| 0.2 * body_cell_noise(body_indices(cell, BODY_FRAME), 100 + number);
         let values: Vec<f64> = (0..count).map(value).collect();
-        split.set(field, &values);
-        reference.set(field, &values);
+        decomposed.set_field(field, &values);
+        reference.set_field(field, &values);
     }
     let watched = watched.map(|at| cell_in_frame(at, BODY_FRAME));
-    split.watch_cells(&watched);
+    decomposed.watch_cells(&watched);
     reference.watch_cells(&watched);
-    split.advance(steps).expect("threads");
+    decomposed.advance(steps).expect("threads");
     reference.advance(steps);
-    assert_eq!(split.take_records(), reference.take_records());
-    assert_eq!(bits(&split.output_values()), bits(&reference.output_values()));
-    assert_eq!(split.plastic_dissipation(), reference.plastic_dissipation());
-    assert_eq!(split.snapshot().fields, reference.snapshot().fields);
+    assert_eq!(decomposed.take_records(), reference.take_records());
+    assert_eq!(bits(&decomposed.output_values()), bits(&reference.output_values()));
+    assert_eq!(decomposed.plastic_dissipation(), reference.plastic_dissipation());
+    assert_eq!(decomposed.snapshot().fields, reference.snapshot().fields);
     // Sweeps that start with the first axis give another result.
-    let (own, _, _) = run(BODY_FRAME, 0, 1);
-    let differs =
-        own.iter().flatten().zip(found.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-4);
+    let (first_axis_results, _, _) = run(BODY_FRAME, 0, 1);
+    let differs = first_axis_results
+        .iter()
+        .flatten()
+        .zip(found.iter().flatten())
+        .any(|(a, b)| (a - b).abs() > 1e-4);
     assert!(differs);
 }
 

@@ -39,13 +39,13 @@ fn state_is_unchanged_if_a_thread_does_not_start() {
     let medium = Medium::new(Isotropic::new(2.0, 1.0, 1.0, None).expect("moduli"), 2);
     let step = 0.1 / medium.max_speed();
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-    let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::Free]);
+    let boundaries = std::array::from_fn(|_| [Boundary::Fixed, Boundary::Free]);
     let grid = Grid { cells: [6, 30], spacing: [0.1; 2] };
-    let problem = Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme);
+    let problem = Problem::new(grid, vec![medium], vec![0; 180], boundaries, step, scheme);
     let create = || {
         let mut domain = DecomposedDomain::<f64, 2>::new(&problem, 3).expect("a sound problem");
         let values: Vec<f64> = (0..180).map(|cell| (cell % 7) as f64).collect();
-        domain.set(SolidField::Velocity(0), &values);
+        domain.set_field(SolidField::Velocity(0), &values);
         domain
     };
     let (mut whole, mut limited) = (create(), create());
@@ -61,13 +61,13 @@ fn state_is_unchanged_if_a_thread_does_not_start() {
     assert_ne!(limited.snapshot(), before);
 }
 
-/// Simulation of ten steps whose threads cannot be started from step `limit` on.
-struct Stub {
+/// Simulation of ten steps without a solver, whose threads cannot be started from step `limit` on.
+struct TenStepSimulation {
     steps: usize,
     limit: usize,
 }
 
-impl Simulation for Stub {
+impl Simulation for TenStepSimulation {
     type Account = usize;
     type Fields = ();
     type Fault = ();
@@ -99,7 +99,7 @@ impl Simulation for Stub {
     fn recover<E: From<ThreadStartError>>(
         &mut self,
         _fault: (),
-        _go_on: impl FnMut() -> Result<(), E>,
+        _before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<(), E> {
         panic!("the state is sound")
     }
@@ -147,7 +147,7 @@ struct StepLog {
     state: Option<SimulationState>,
 }
 
-impl Observer<Stub> for StepLog {
+impl Observer<TenStepSimulation> for StepLog {
     type Error = ();
 
     fn on_record(&mut self, _time: f64, _values: &[f64]) -> Result<(), ()> {
@@ -159,28 +159,34 @@ impl Observer<Stub> for StepLog {
         Ok(())
     }
 
-    fn on_snapshot(&mut self, _simulation: &Stub, _snapshot: DueSnapshot<()>) -> Result<(), ()> {
+    fn on_snapshot(
+        &mut self,
+        _simulation: &TenStepSimulation,
+        _snapshot: DueSnapshot<()>,
+    ) -> Result<(), ()> {
         Ok(())
     }
 
-    fn on_steps_done(&mut self, simulation: &Stub, _last: &usize) -> Result<(), ()> {
+    fn on_steps_done(&mut self, simulation: &TenStepSimulation, _last: &usize) -> Result<(), ()> {
         self.state = Some(simulation.state());
         Ok(())
     }
 }
 
-/// Verifies that a run whose threads do not start ends with that error, without recovery of a fault and without output of
-/// the failed step, and that a run resumed from its last state completes the output.
+/// Verifies that a run whose threads do not start ends with that error, without recovery of a fault and without output
+/// of the failed step, and that a run resumed from its last state completes the output.
 #[test]
 fn run_ends_with_an_error_and_can_be_resumed() {
     let output = OutputTimes { accounts: RegularTimes::new(1.0, 10.0), snapshots: None };
     let mut log = StepLog::default();
-    let end = run_simulation(&mut Stub { steps: 0, limit: 4 }, &output, false, &mut log).err();
+    let end =
+        run_simulation(&mut TenStepSimulation { steps: 0, limit: 4 }, &output, false, &mut log)
+            .err();
     assert_eq!(end, Some(RunError::Threads(start_error().into())));
     assert_eq!(log.accounts, [0, 1, 2, 3, 4]);
-    let mut rest = Stub { steps: 0, limit: usize::MAX };
-    assert!(rest.restore(&log.state.take().expect("a state")));
-    let end = run_simulation(&mut rest, &output, true, &mut log).expect("threads");
+    let mut resumed = TenStepSimulation { steps: 0, limit: usize::MAX };
+    assert!(resumed.restore(&log.state.take().expect("a state")));
+    let end = run_simulation(&mut resumed, &output, true, &mut log).expect("threads");
     assert!(end.fault.is_none());
     assert_eq!(log.accounts, (0..=10).collect::<Vec<_>>());
 }

@@ -16,7 +16,7 @@ use models::solid::parameters::Isotropic;
 /// Fronts with jumps below this fraction of the elastic limit are dropped, since collisions create ever smaller ones.
 const MIN_JUMP: f64 = 1e-9;
 
-/// Constants of a bar.
+/// Constants of an elastic–perfectly plastic bar in uniaxial strain.
 #[derive(Clone, Copy, Debug)]
 pub struct ElasticPlasticBar {
     /// Density ρ, kg/m³.
@@ -53,10 +53,10 @@ pub enum EndCondition {
     Velocity(f64),
 }
 
-/// Front between two states.
+/// Front between two states of a bar.
 #[derive(Clone, Copy, Debug)]
 pub struct Front {
-    /// Position, m.
+    /// Position x of the front, m.
     pub position: f64,
     /// Speed dx/dt, m/s; 0 for a contact.
     pub speed: f64,
@@ -107,7 +107,7 @@ impl ElasticPlasticBar {
         let elastic_change = (limit - ahead.stress_difference) / per_stress;
         let change = stress - ahead.stress;
         let first = if change.abs() <= elastic_change.abs() { change } else { elastic_change };
-        let behind =
+        let state_behind =
             |ahead: UniaxialState, change: f64, stress_difference: f64, speed: f64| UniaxialState {
                 velocity: ahead.velocity - direction * change / (self.density * speed),
                 stress: ahead.stress + change,
@@ -116,10 +116,11 @@ impl ElasticPlasticBar {
         let is_plastic = change.abs() > elastic_change.abs();
         let stress_difference =
             if is_plastic { limit } else { ahead.stress_difference + per_stress * change };
-        let yielded = behind(ahead, first, stress_difference, elastic);
+        let yielded = state_behind(ahead, first, stress_difference, elastic);
         let mut fronts = vec![(yielded, direction * elastic)];
         if is_plastic {
-            fronts.push((behind(yielded, change - first, limit, plastic), direction * plastic));
+            fronts
+                .push((state_behind(yielded, change - first, limit, plastic), direction * plastic));
         }
         fronts
     }
@@ -181,13 +182,18 @@ impl ElasticPlasticBar {
         until: f64,
     ) -> BarProfile {
         let mut profile = initial.clone();
-        let close = 1e-11 * self.length;
+        let merge_distance = 1e-11 * self.length;
         let condition = |end: usize, time: f64| {
-            let own = ends[end].iter().rev().find(|(from, _)| *from <= time);
-            own.map_or(EndCondition::Stress(0.0), |own| own.1)
+            let last = ends[end].iter().rev().find(|(from, _)| *from <= time);
+            last.map_or(EndCondition::Stress(0.0), |own| own.1)
         };
         // Solve the Riemann problems of all initial jumps and of both ends.
-        self.resolve_fronts(&mut profile, [0, 1].map(|end| Some(condition(end, 0.0))), close, true);
+        self.resolve_fronts(
+            &mut profile,
+            [0, 1].map(|end| Some(condition(end, 0.0))),
+            merge_distance,
+            true,
+        );
         loop {
             let now = profile.time;
             let mut next = until;
@@ -219,15 +225,15 @@ impl ElasticPlasticBar {
             }
             let reached = [0, 1].map(|end| {
                 let at = [0.0, self.length][end];
-                let own = if end == 0 { profile.fronts.first() } else { profile.fronts.last() };
-                let is_there = own.is_some_and(|front| {
-                    (front.position - at).abs() < close
+                let front = if end == 0 { profile.fronts.first() } else { profile.fronts.last() };
+                let is_there = front.is_some_and(|front| {
+                    (front.position - at).abs() < merge_distance
                         && front.speed * (at - 0.5 * self.length) > 0.0
                 });
                 let changes = ends[end].iter().any(|(from, _)| *from == next);
                 (changes || is_there).then(|| condition(end, next))
             });
-            self.resolve_fronts(&mut profile, reached, close, false);
+            self.resolve_fronts(&mut profile, reached, merge_distance, false);
         }
     }
 
@@ -237,7 +243,7 @@ impl ElasticPlasticBar {
         &self,
         profile: &mut BarProfile,
         ends: [Option<EndCondition>; 2],
-        close: f64,
+        merge_distance: f64,
         all: bool,
     ) {
         let (mut states, mut fronts) = (Vec::new(), Vec::new());
@@ -251,7 +257,7 @@ impl ElasticPlasticBar {
         let old = &profile.fronts;
         let (mut first, mut last) = (0, old.len());
         if let Some(end) = ends[0] {
-            while old.get(first).is_some_and(|front| front.position < close) {
+            while old.get(first).is_some_and(|front| front.position < merge_distance) {
                 first += 1;
             }
             let ahead = profile.states[first];
@@ -266,23 +272,23 @@ impl ElasticPlasticBar {
             states.push(profile.states[0]);
         }
         if ends[1].is_some() {
-            while last > first && old[last - 1].position > self.length - close {
+            while last > first && old[last - 1].position > self.length - merge_distance {
                 last -= 1;
             }
         }
-        let mut at = first;
-        while at < last {
-            let mut end = at + 1;
-            while end < last && old[end].position - old[at].position < close {
+        let mut index = first;
+        while index < last {
+            let mut end = index + 1;
+            while end < last && old[end].position - old[index].position < merge_distance {
                 end += 1;
             }
-            let position = old[at].position;
-            if end == at + 1 && !all {
-                add(&mut states, &mut fronts, position, (old[at].speed, profile.states[end]));
-                at = end;
+            let position = old[index].position;
+            if end == index + 1 && !all {
+                add(&mut states, &mut fronts, position, (old[index].speed, profile.states[end]));
+                index = end;
                 continue;
             }
-            let (left, right) = (profile.states[at], profile.states[end]);
+            let (left, right) = (profile.states[index], profile.states[end]);
             let stress = self.solve_riemann(left, right);
             let [to_left, to_right] = [
                 self.waves_to_stress(left, stress, -1.0),
@@ -300,11 +306,11 @@ impl ElasticPlasticBar {
             if is_contact {
                 add(&mut states, &mut fronts, position, (0.0, inner));
             }
-            for index in (0..to_right.len()).rev() {
-                let state = if index > 0 { to_right[index - 1].0 } else { right };
-                add(&mut states, &mut fronts, position, (to_right[index].1, state));
+            for wave in (0..to_right.len()).rev() {
+                let state = if wave > 0 { to_right[wave - 1].0 } else { right };
+                add(&mut states, &mut fronts, position, (to_right[wave].1, state));
             }
-            at = end;
+            index = end;
         }
         if let Some(end) = ends[1] {
             let ahead = profile.states[last];
@@ -342,13 +348,13 @@ impl ElasticPlasticBar {
 
 impl BarProfile {
     /// Creates a stress-free profile of piecewise constant velocity.
-    pub fn with_velocities(velocities: &[f64], places: &[f64]) -> Self {
+    pub fn with_velocities(velocities: &[f64], jump_positions: &[f64]) -> Self {
         let state =
             |&velocity: &f64| UniaxialState { velocity, stress: 0.0, stress_difference: 0.0 };
         Self {
             time: 0.0,
             states: velocities.iter().map(state).collect(),
-            fronts: places.iter().map(|&position| Front { position, speed: 0.0 }).collect(),
+            fronts: jump_positions.iter().map(|&position| Front { position, speed: 0.0 }).collect(),
         }
     }
 

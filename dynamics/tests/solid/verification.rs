@@ -71,17 +71,17 @@ const SOURCE_WIDTH: f64 = 0.1;
 /// ½(J₀ − J₂ (2r̂r̂ᵀ − 1)), with r̂ = x/r. For the moment f = −∇Mδ, so that ρv = (2π)⁻¹ ∫ k² J₁ Ŵ Iₚ r̂ dk.
 fn exact_velocity(
     solid: &Isotropic,
-    at: [f64; 2],
+    position: [f64; 2],
     time: f64,
     is_explosion: bool,
     count: usize,
 ) -> [f64; 2] {
-    let r = at[0].hypot(at[1]);
-    let [x, y] = at.map(|x| x / r);
+    let r = position[0].hypot(position[1]);
+    let [x, y] = position.map(|x| x / r);
     let speeds = [solid.lambda + 2.0 * solid.mu, solid.mu].map(|m| (m / solid.density).sqrt());
-    let most = 9.0 / SOURCE_WIDTH;
+    let max_wave_number = 9.0 / SOURCE_WIDTH;
     // Three-point Gauss–Legendre quadrature in each panel.
-    let width = most / count as f64;
+    let width = max_wave_number / count as f64;
     let mut sum = [0.0; 2];
     for panel in 0..count {
         for (node, weight) in
@@ -136,25 +136,26 @@ fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -
     };
     let source = Source { cells, amplitudes, signal: Arc::new(pulse) };
     let grid = Grid { cells: [count; 2], spacing: [h; 2] };
-    let sides = std::array::from_fn(|_| [Boundary::NonReflecting, Boundary::NonReflecting]);
+    let boundaries = std::array::from_fn(|_| [Boundary::NonReflecting, Boundary::NonReflecting]);
     let problem = Problem {
         sources: vec![source],
         ..Problem::new(
             grid,
             vec![medium],
             vec![0; count * count],
-            sides,
+            boundaries,
             step,
             midpoint_scheme(slopes),
         )
     };
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-    let place = receiver.map(|x| half_cells + (x * cells_per_unit as f64).round() as usize);
-    let (mut error, mut greatest) = (0.0f64, 0.0f64);
+    let receiver_cell = receiver.map(|x| half_cells + (x * cells_per_unit as f64).round() as usize);
+    let (mut error, mut max_velocity) = (0.0f64, 0.0f64);
     for index in 1..=steps {
         domain.advance();
         // The receiver is at the common corner of four cells.
-        let around = [0, 1, count, count + 1].map(|k| (place[1] - 1) * count + place[0] - 1 + k);
+        let adjacent_cells = [0, 1, count, count + 1]
+            .map(|k| (receiver_cell[1] - 1) * count + receiver_cell[0] - 1 + k);
         if index % (steps / 40).max(1) != 0 {
             continue;
         }
@@ -162,12 +163,12 @@ fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -
         for (axis, expected) in expected.into_iter().enumerate() {
             let value =
                 |cell: &usize| domain.value(SolidField::Velocity(axis), *cell).expect("a field");
-            let found = around.iter().map(value).sum::<f64>() / 4.0;
+            let found = adjacent_cells.iter().map(value).sum::<f64>() / 4.0;
             error = error.max((found - expected).abs());
-            greatest = greatest.max(expected.abs());
+            max_velocity = max_velocity.max(expected.abs());
         }
     }
-    error / greatest
+    error / max_velocity
 }
 
 /// Verifies that the quadrature of the exact solution has converged.
@@ -175,16 +176,16 @@ fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -
 fn line_source_quadrature_is_converged() {
     let solid = classical_solid();
     for is_explosion in [false, true] {
-        let at = |count| {
+        let seismograms = |count| {
             let times = (1..30).map(|i| 0.05 * f64::from(i));
-            let all =
+            let values =
                 times.map(|time| exact_velocity(&solid, [0.5, 0.75], time, is_explosion, count));
-            all.collect::<Vec<_>>()
+            values.collect::<Vec<_>>()
         };
-        let (coarse, fine) = (at(360), at(720));
-        let greatest = fine.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
+        let (coarse, fine) = (seismograms(360), seismograms(720));
+        let max_value = fine.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
         for (coarse, fine) in coarse.iter().flatten().zip(fine.iter().flatten()) {
-            assert!((coarse - fine).abs() < 1e-8 * greatest, "{coarse:e} {fine:e}");
+            assert!((coarse - fine).abs() < 1e-8 * max_value, "{coarse:e} {fine:e}");
         }
     }
 }
@@ -211,7 +212,7 @@ fn cosserat_solid() -> Isotropic {
 
 /// Computes the fields of a periodic unit square at the centres of `count` × `count` cells, from an initial spin
 /// exp(−r²/2a²) about the centre and all else zero: a Fourier series, each term by the eigenvectors of its symbol.
-fn spin_pulse(
+fn exact_spin_pulse(
     equations: &RateEquations<2>,
     spread: f64,
     time: f64,
@@ -219,7 +220,7 @@ fn spin_pulse(
     fields: &[SolidField],
 ) -> Vec<Vec<f64>> {
     let form = equations.symmetric_form().expect("elastic");
-    let place = |field: SolidField| {
+    let unknown_index = |field: SolidField| {
         let name = unknown_name(field);
         equations.unknowns.iter().position(|u| u.name == name).expect("an unknown")
     };
@@ -227,13 +228,13 @@ fn spin_pulse(
     let inverse = lower.clone().try_inverse().expect("regular");
     let half = |m: &DMatrix<f64>| &inverse * m * inverse.transpose();
     let (q, b) = (half(&form.q), form.b.each_ref().map(half));
-    let most = (8.0 / spread / (2.0 * PI)).ceil() as i32;
-    let span = (2 * most + 1) as usize;
+    let max_number = (8.0 / spread / (2.0 * PI)).ceil() as i32;
+    let span = (2 * max_number + 1) as usize;
     let unknowns = equations.unknowns.len();
     // Sums over the wave numbers along x₂ first, then along x₁.
     let mut rows = vec![vec![DVector::<Complex64>::zeros(unknowns); span]; count];
-    for m in -most..=most {
-        for n in -most..=most {
+    for m in -max_number..=max_number {
+        for n in -max_number..=max_number {
             let k = [m, n].map(|i| 2.0 * PI * f64::from(i));
             let mut symbol = q.map(|x| Complex64::new(0.0, x));
             for (b, k) in b.iter().zip(k) {
@@ -246,28 +247,29 @@ fn spin_pulse(
                 * spread
                 * (-0.5 * spread * spread * (k[0] * k[0] + k[1] * k[1])).exp();
             let mut start = DVector::<Complex64>::zeros(unknowns);
-            start[place(SolidField::Spin(2))] = Complex64::from(size);
-            let mut parts =
+            start[unknown_index(SolidField::Spin(2))] = Complex64::from(size);
+            let mut mode_amplitudes =
                 eigen.eigenvectors.adjoint() * (lower.transpose().map(Complex64::from) * start);
-            for (part, frequency) in parts.iter_mut().zip(eigen.eigenvalues.iter()) {
+            for (part, frequency) in mode_amplitudes.iter_mut().zip(eigen.eigenvalues.iter()) {
                 *part *= Complex64::cis(-frequency * time);
             }
-            let state = inverse.transpose().map(Complex64::from) * (eigen.eigenvectors * parts);
+            let state =
+                inverse.transpose().map(Complex64::from) * (eigen.eigenvectors * mode_amplitudes);
             for (j, row) in rows.iter_mut().enumerate() {
                 let y = (j as f64 + 0.5) / count as f64 - 0.5;
-                row[(m + most) as usize] += &state * Complex64::cis(k[1] * y);
+                row[(m + max_number) as usize] += &state * Complex64::cis(k[1] * y);
             }
         }
     }
-    let places: Vec<usize> = fields.iter().map(|f| place(*f)).collect();
+    let unknown_indices: Vec<usize> = fields.iter().map(|f| unknown_index(*f)).collect();
     let mut values = vec![vec![0.0; count * count]; fields.len()];
     for (j, row) in rows.iter().enumerate() {
         for i in 0..count {
             let x = (i as f64 + 0.5) / count as f64 - 0.5;
-            for m in -most..=most {
+            for m in -max_number..=max_number {
                 let wave = Complex64::cis(2.0 * PI * f64::from(m) * x);
-                for (values, place) in values.iter_mut().zip(&places) {
-                    values[j * count + i] += (row[(m + most) as usize][*place] * wave).re;
+                for (values, index) in values.iter_mut().zip(&unknown_indices) {
+                    values[j * count + i] += (row[(m + max_number) as usize][*index] * wave).re;
                 }
             }
         }
@@ -291,7 +293,7 @@ fn spin_pulse_in_a_cosserat_solid_converges_at_second_order() {
         let h = 1.0 / count as f64;
         let end = 0.5;
         let steps = (end / (2.0 * 0.95 * h / medium.max_speed())).ceil();
-        let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
+        let boundaries = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
         let grid = Grid { cells: [count; 2], spacing: [h; 2] };
         let cell_media = vec![0; count * count];
         let media = vec![medium.clone()];
@@ -299,34 +301,35 @@ fn spin_pulse_in_a_cosserat_solid_converges_at_second_order() {
             grid,
             media,
             cell_media,
-            sides,
+            boundaries,
             end / steps,
             midpoint_scheme(Slopes::Limited),
         );
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         let fields = domain.fields().to_vec();
         for (field, values) in
-            fields.iter().zip(spin_pulse(&equations, spread, 0.0, count, &fields))
+            fields.iter().zip(exact_spin_pulse(&equations, spread, 0.0, count, &fields))
         {
-            domain.set(*field, &values);
+            domain.set_field(*field, &values);
         }
         (0..steps as usize).for_each(|_| domain.advance());
-        let exact = spin_pulse(&equations, spread, end, count, &fields);
+        let exact = exact_spin_pulse(&equations, spread, end, count, &fields);
         let root =
             |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
         // Errors in the energy norm, relative to the total energy.
         let form = equations.symmetric_form().expect("elastic");
         let mut errors = Vec::new();
-        let mut all = 0.0;
+        let mut energy = 0.0;
         for (field, exact) in fields.iter().zip(&exact) {
             let found = domain.values(*field).expect("a field");
-            let own = unknown_name(*field);
-            let place = equations.unknowns.iter().position(|u| u.name == own).expect("an unknown");
-            let weight = form.a[(place, place)].sqrt();
+            let name = unknown_name(*field);
+            let unknown_index =
+                equations.unknowns.iter().position(|u| u.name == name).expect("an unknown");
+            let weight = form.a[(unknown_index, unknown_index)].sqrt();
             errors.push(weight * root(&mut found.iter().zip(exact).map(|(a, b)| a - b)));
-            all += (weight * root(&mut exact.iter().copied())).powi(2);
+            energy += (weight * root(&mut exact.iter().copied())).powi(2);
         }
-        let errors: Vec<f64> = errors.into_iter().map(|error| error / all.sqrt()).collect();
+        let errors: Vec<f64> = errors.into_iter().map(|error| error / energy.sqrt()).collect();
         let whole = root(&mut errors.iter().copied());
         println!("{count} cells, {steps} steps: error {whole:.2e}, by field {errors:?}");
         if let Some(last) = last {
@@ -351,9 +354,9 @@ fn interface_error(count: usize, slopes: Slopes, [z, c]: [f64; 2]) -> f64 {
     let dt = time / (steps * time).round();
     let shape = |x: f64| if x.abs() < 0.15 { (0.5 * PI * x / 0.15).cos().powi(4) } else { 0.0 };
     let mean = |f: &dyn Fn(f64) -> f64, i: usize| {
-        let at = |x: f64| f(h * (i as f64 + x));
+        let shifted_value = |x: f64| f(h * (i as f64 + x));
         let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
-        (5.0 * at(low) + 8.0 * at(0.5) + 5.0 * at(high)) / 18.0
+        (5.0 * shifted_value(low) + 8.0 * shifted_value(0.5) + 5.0 * shifted_value(high)) / 18.0
     };
     let length = count + 2 * GHOSTS;
     let index = |place: usize| place.saturating_sub(GHOSTS).min(count - 1);
@@ -407,7 +410,8 @@ fn time_dependent_traction_converges_at_second_order() {
         let steps = (0.6 / c / (2.0 * courant * h / c)).round();
         let step = 0.6 / c / steps;
         let grid = Grid { cells: [count, 3], spacing: [h, h] };
-        let sides = [[Boundary::Free, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
+        let boundaries =
+            [[Boundary::Free, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
         let faces = (0..3).map(|face| (face, 1.0)).collect();
         let load = Load { axis: 0, end: 0, pair: 0, faces, signal: Arc::new(pulse) };
         let problem = Problem {
@@ -416,7 +420,7 @@ fn time_dependent_traction_converges_at_second_order() {
                 grid,
                 vec![medium.clone()],
                 vec![0; 3 * count],
-                sides,
+                boundaries,
                 step,
                 midpoint_scheme(Slopes::Limited),
             )
@@ -474,7 +478,7 @@ fn conditions_by_face_hold_on_each_face() {
         .map(|face| if face < 10 { Condition::Velocity(0.5) } else { Condition::Traction(0.0) })
         .collect();
     let shear = vec![Condition::Traction(0.0); 20];
-    let sides = [
+    let boundaries = [
         [Boundary::ByFace(vec![normal, shear]), Boundary::NonReflecting],
         [Boundary::Free, Boundary::Free],
     ];
@@ -482,7 +486,7 @@ fn conditions_by_face_hold_on_each_face() {
         grid,
         vec![medium.clone()],
         vec![0; 160],
-        sides,
+        boundaries,
         step,
         midpoint_scheme(Slopes::Limited),
     );
@@ -519,11 +523,18 @@ fn step_moments_change_the_mean_stress() {
     for (signal, expected) in signals {
         let amplitudes = vec![(SolidField::Stress(0, 0), 1.0), (SolidField::Stress(1, 1), 1.0)];
         let source = Source { cells: vec![(210, 1.0)], amplitudes, signal };
-        let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
+        let boundaries = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
         let media = vec![medium.clone()];
         let problem = Problem {
             sources: vec![source],
-            ..Problem::new(grid, media, vec![0; 400], sides, step, midpoint_scheme(Slopes::Limited))
+            ..Problem::new(
+                grid,
+                media,
+                vec![0; 400],
+                boundaries,
+                step,
+                midpoint_scheme(Slopes::Limited),
+            )
         };
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         domain.advance();

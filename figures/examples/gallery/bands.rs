@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, SQRT_2};
 use wellposed_figures::{BandFamily, BandFigure, BandStyle};
 
-/// Points along Γ–X–M–Γ with the distance: phase shifts κ₁h, κ₂h.
+/// Samples the path Γ–X–M–Γ: distance along the path and phase shifts κ₁h, κ₂h of each point.
 fn sample_path() -> Vec<(f64, [f64; 2])> {
     let sides: [([f64; 2], [f64; 2]); 3] =
         [([0.0, 0.0], [PI, 0.0]), ([PI, 0.0], [PI, PI]), ([PI, PI], [0.0, 0.0])];
@@ -20,8 +20,8 @@ fn sample_path() -> Vec<(f64, [f64; 2])> {
     points
 }
 
-/// Frequencies of two lattices with springs along and across the links, below and above a band gap, with the
-/// long waves of the continuum and, if `is_damped`, decay rates in proportion to the squared frequency.
+/// Builds the band diagram of two lattices with springs along and across the links, below and above a band gap, with
+/// the long waves of the continuum and, if `is_damped`, decay rates in proportion to the squared frequency.
 pub(crate) fn build_band_figure(is_damped: bool) -> BandFigure {
     let path = sample_path();
     let curve = |value: &dyn Fn([f64; 2]) -> f64| -> Vec<[f64; 2]> {
@@ -58,16 +58,16 @@ pub(crate) fn build_band_figure(is_damped: bool) -> BandFigure {
         vertices: [(0.0, "Γ"), (PI, "X"), (2.0 * PI, "M"), ((2.0 + SQRT_2) * PI, "Γ")]
             .map(|(x, name)| (x, name.to_owned()))
             .to_vec(),
-        decay: match is_damped {
+        decay_rates: match is_damped {
             true => vec![
-                family("", BandStyle::First, decay(&longitudinal)),
-                family("", BandStyle::Second, decay(&transverse)),
+                family("", BandStyle::FirstFamily, decay(&longitudinal)),
+                family("", BandStyle::SecondFamily, decay(&transverse)),
             ],
             false => Vec::new(),
         },
         frequencies: vec![
-            family("P-like", BandStyle::First, longitudinal),
-            family("S-like", BandStyle::Second, transverse),
+            family("P-like", BandStyle::FirstFamily, longitudinal),
+            family("S-like", BandStyle::SecondFamily, transverse),
             family("continuum", BandStyle::Comparison, continuum),
         ],
         gaps: vec![[9.13, 28.6]],

@@ -4,20 +4,20 @@ use wellposed_figures::{
     FieldArrow, FieldArrows, FieldAxis, FieldFigure, FieldLine, FieldLineSet, FieldLineStyle,
 };
 
-/// Cells of a block along an axis.
+/// Number of cells of a block along an axis.
 const BLOCK_CELLS: usize = 10;
 /// Edge of a block, m.
-const BLOCK: f64 = 0.05;
+const BLOCK_EDGE: f64 = 0.05;
 
 /// Builds a field over square blocks; `value` is evaluated at the centres of cells, relative to the middle.
 fn build_block_field(blocks: [usize; 2], value: impl Fn(f64, f64) -> f64) -> FieldFigure {
     let axis = |label: &str, count: usize| FieldAxis {
         label: label.to_owned(),
-        start: -0.5 * BLOCK * count as f64,
-        end: 0.5 * BLOCK * count as f64,
+        start: -0.5 * BLOCK_EDGE * count as f64,
+        end: 0.5 * BLOCK_EDGE * count as f64,
     };
     let [columns, rows] = blocks.map(|count| BLOCK_CELLS * count);
-    let spacing = BLOCK / BLOCK_CELLS as f64;
+    let spacing = BLOCK_EDGE / BLOCK_CELLS as f64;
     let place = |index: usize, count: usize| spacing * (index as f64 + 0.5 - 0.5 * count as f64);
     FieldFigure {
         title: "Pulse on part of the upper boundary of a blocky medium".to_owned(),
@@ -38,13 +38,13 @@ fn build_block_field(blocks: [usize; 2], value: impl Fn(f64, f64) -> f64) -> Fie
 /// Builds the faces between blocks, one per pair of adjacent cells, whose `value` at their centre is positive.
 fn build_faces(blocks: [usize; 2], value: impl Fn(f64, f64) -> f64) -> Vec<FieldLine> {
     let cells = blocks.map(|count| BLOCK_CELLS * count);
-    let spacing = BLOCK / BLOCK_CELLS as f64;
+    let spacing = BLOCK_EDGE / BLOCK_CELLS as f64;
     let mut faces = Vec::new();
     for axis in 0..2 {
         for plane in 1..blocks[axis] {
             for index in 0..cells[1 - axis] {
                 let mut centre = [0.0; 2];
-                centre[axis] = BLOCK * (plane as f64 - 0.5 * blocks[axis] as f64);
+                centre[axis] = BLOCK_EDGE * (plane as f64 - 0.5 * blocks[axis] as f64);
                 centre[1 - axis] = spacing * (index as f64 + 0.5 - 0.5 * cells[1 - axis] as f64);
                 let value = value(centre[0], centre[1]);
                 if value > 0.0 {
@@ -58,7 +58,7 @@ fn build_faces(blocks: [usize; 2], value: impl Fn(f64, f64) -> f64) -> Vec<Field
 
 /// Builds a stress wave with a zone of slip below the loaded part of the boundary, and fracture in its core.
 pub fn build_joint_field(blocks: [usize; 2]) -> FieldFigure {
-    let top = 0.5 * BLOCK * blocks[1] as f64;
+    let top = 0.5 * BLOCK_EDGE * blocks[1] as f64;
     let size = top;
     let mut figure = build_block_field(blocks, |x, y| {
         let r = x.hypot(y - top);
@@ -100,19 +100,19 @@ pub fn build_joint_field(blocks: [usize; 2]) -> FieldFigure {
 /// Builds the circulation of a fluid around the middle of a medium of square blocks.
 pub fn build_circulation_field(blocks: usize) -> FieldFigure {
     let flux = |x: f64, y: f64| {
-        let r = x.hypot(y).max(0.5 * BLOCK);
+        let r = x.hypot(y).max(0.5 * BLOCK_EDGE);
         let strength = 2e-4 * (0.1 / r).powf(1.5) * (1.0 + (x * y / (r * r)).powi(2));
         [-strength * y / r, strength * x / r]
     };
     let pressure = |x: f64, y: f64| {
-        let r = x.hypot(y).max(0.5 * BLOCK);
+        let r = x.hypot(y).max(0.5 * BLOCK_EDGE);
         4e4 * x * y / (r * r) * (0.1 / r) * (20.0 * r).cos()
     };
     let mut figure = build_block_field([blocks; 2], pressure);
-    let half = 0.5 * BLOCK * blocks as f64;
+    let half = 0.5 * BLOCK_EDGE * blocks as f64;
     let junctions = (1..blocks).flat_map(|i| (1..blocks).map(move |j| [i, j]));
     let arrows = junctions.map(|index| {
-        let position = index.map(|index| BLOCK * index as f64 - half);
+        let position = index.map(|index| BLOCK_EDGE * index as f64 - half);
         FieldArrow { position, vector: flux(position[0], position[1]) }
     });
     figure.arrows = Some(FieldArrows {

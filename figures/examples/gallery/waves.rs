@@ -56,11 +56,11 @@ pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
         subtitle: "ρ = j = 2700, λ = μ = 8.1×10⁹ Pa, α = 1.005×10⁹ Pa, β = 7.75×10⁸ N, \
                    γ = 1.5×10⁸ N, η = 3×10⁸ N"
             .to_owned(),
-        k_label: "wave number k (1/m)".to_owned(),
+        wave_number_label: "wave number k (1/m)".to_owned(),
         frequency_label: "angular frequency ω (rad/s)".to_owned(),
         speed_label: "speed (m/s)".to_owned(),
         growth_label: "growth rate Re ς (1/s)".to_owned(),
-        is_k_log: has_growth,
+        is_wave_number_log: has_growth,
         is_frequency_log: has_growth,
         branches: vec![
             branch("longitudinal", &|k| longitudinal * k, &|_| -2.0),

@@ -94,8 +94,8 @@ impl DispersionFigure {
                 })
                 .map(|point| point[0])
         };
-        let mut k = AxisScale::from_values(kind(self.is_k_log), numbers(), [0.0; 2]);
-        if !self.is_k_log && k.low > 0.0 && k.low < 0.2 * k.high {
+        let mut k = AxisScale::from_values(kind(self.is_wave_number_log), numbers(), [0.0; 2]);
+        if !self.is_wave_number_log && k.low > 0.0 && k.low < 0.2 * k.high {
             k.low = 0.0;
         }
 
@@ -118,8 +118,9 @@ impl DispersionFigure {
         let group = branches().flat_map(|b| &b.group_speed).map(|point| point[1]);
         let limits = self.speed_limits.iter().map(|level| level.value);
         let shortest = branches().filter_map(|branch| {
-            let known =
-                Self::phase_speed(branch).into_iter().filter(|[k, c]| (k + c).abs() < FINITE_LIMIT);
+            let known = Self::branch_phase_speeds(branch)
+                .into_iter()
+                .filter(|[k, c]| (k + c).abs() < FINITE_LIMIT);
             known.max_by(|a, b| a[0].total_cmp(&b[0])).map(|[_, c]| c)
         });
         let values = group.chain(limits).chain(shortest).chain([0.0]);
@@ -127,7 +128,7 @@ impl DispersionFigure {
             extend_negative_range(AxisScale::from_values(ScaleKind::Linear, values, [0.0, 0.25]));
 
         let growth = || branches().flat_map(|b| &b.growth_rate).map(|point| point[1]).chain([0.0]);
-        let kind = if self.is_k_log {
+        let kind = if self.is_wave_number_log {
             ScaleKind::SymmetricLogarithmic(SymmetricLog::from_values(
                 growth().filter(|v| v.abs() < FINITE_LIMIT),
             ))

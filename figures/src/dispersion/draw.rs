@@ -72,21 +72,21 @@ impl DispersionFigure {
             ..plot(left, frequency, lines(&|branch| branch.frequency.clone()))
         };
         let has_growth_panel = self.has_growth();
-        let name = (!has_growth_panel).then_some(self.k_label.as_str());
+        let name = (!has_growth_panel).then_some(self.wave_number_label.as_str());
         frequencies.draw(&mut picture, name, &self.frequency_label);
         if has_growth_panel {
             let frame = Rectangle { top: split + between, bottom, ..left };
             let plot = plot(frame, growth, lines(&|branch| branch.growth_rate.clone()));
-            plot.draw(&mut picture, Some(&self.k_label), &self.growth_label);
+            plot.draw(&mut picture, Some(&self.wave_number_label), &self.growth_label);
         }
         let speeds = DispersionPanel {
             dashed_lines: lines(&|branch| branch.group_speed.clone()),
             measured_points: lines(&|branch| Self::phase_speeds(&branch.measured_frequency)),
             levels: &self.speed_limits,
             level_dashes: SPEED_LIMIT_DASHES,
-            ..plot(right, speed, lines(&Self::phase_speed))
+            ..plot(right, speed, lines(&Self::branch_phase_speeds))
         };
-        speeds.draw(&mut picture, Some(&self.k_label), &self.speed_label);
+        speeds.draw(&mut picture, Some(&self.wave_number_label), &self.speed_label);
         legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
         picture
     }

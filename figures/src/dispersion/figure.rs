@@ -1,4 +1,4 @@
-//! Data of a dispersion figure.
+//! Input of a dispersion figure.
 
 use crate::picture::Point;
 
@@ -19,7 +19,7 @@ pub struct DispersionBranch {
     pub growth_rate: Vec<[f64; 2]>,
 }
 
-/// Frequency band in which a kind of wave does not propagate, drawn shaded.
+/// Band gap: frequency interval in which a kind of wave does not propagate, drawn shaded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyBand {
     /// Legend text, e.g. `band gap`. Bands with the same label are listed once.
@@ -52,7 +52,7 @@ pub struct DispersionFigure {
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Name, symbol and unit of the wave number.
-    pub k_label: String,
+    pub wave_number_label: String,
     /// Name, symbol and unit of the frequency.
     pub frequency_label: String,
     /// Name, symbol and unit of the speeds.
@@ -60,7 +60,7 @@ pub struct DispersionFigure {
     /// Name, symbol and unit of the growth rate; unused if no branch has growth rates.
     pub growth_label: String,
     /// Whether the wave-number axis is logarithmic; non-positive wave numbers are then omitted.
-    pub is_k_log: bool,
+    pub is_wave_number_log: bool,
     /// Whether the frequency axis is logarithmic; non-positive frequencies are then omitted.
     pub is_frequency_log: bool,
     /// Branches; the first six have distinct colours.
@@ -79,7 +79,7 @@ impl DispersionFigure {
     }
 
     /// Computes the pairs of wave number and phase speed ω/k of a branch.
-    pub(super) fn phase_speed(branch: &DispersionBranch) -> Vec<Point> {
+    pub(super) fn branch_phase_speeds(branch: &DispersionBranch) -> Vec<Point> {
         Self::phase_speeds(&branch.frequency)
     }
 

@@ -1,6 +1,6 @@
 //! Placement of labels and branch numbers clear of lines.
 
-use super::tags::{TAG_RADIUS, tag_area};
+use super::number_discs::{NUMBER_DISC_RADIUS, number_disc_area};
 use crate::page::{self};
 use crate::picture::{Anchor, Point, Rectangle, Text, clip_polyline, polyline_length, text_width};
 
@@ -20,8 +20,8 @@ pub(super) fn densify(line: &[Point]) -> Vec<Point> {
     dense
 }
 
-/// Places a text in a frame at one of the `baselines`, clear of the areas `occupied` and with the least length of lines
-/// behind it. Returns the length of the covered lines (pixels) and the text; `None` if there is not enough space.
+/// Places a text in a frame at one of the `baselines`, clear of the areas `occupied`, where it covers the least length
+/// of lines. Returns this length (pixels) and the text; `None` if there is not enough space.
 pub(super) fn place_text(
     text: &str,
     baselines: &[f64],
@@ -66,7 +66,7 @@ pub(super) fn place_text(
 
 /// Finds the position of a branch number on a line: inside the frame, clear of the areas `occupied` and, if possible,
 /// far from the points of other lines. `None` if there is no such position.
-pub(super) fn place_tag(
+pub(super) fn place_branch_number(
     parts: &[Vec<Point>],
     others: &[Point],
     frame: Rectangle,
@@ -74,7 +74,7 @@ pub(super) fn place_tag(
 ) -> Option<Point> {
     const CLEAR_DISTANCE: f64 = 40.0;
     let inside = |[x, y]: Point| {
-        let edge = TAG_RADIUS + 4.0;
+        let edge = NUMBER_DISC_RADIUS + 4.0;
         x > frame.left + edge
             && x < frame.right - edge
             && y > frame.top + edge
@@ -82,7 +82,7 @@ pub(super) fn place_tag(
     };
     let points = parts.iter().flat_map(|part| densify(part)).filter(|&point| inside(point));
     let free: Vec<Point> = points
-        .filter(|&point| !occupied.iter().any(|area| area.is_overlapping(&tag_area(point))))
+        .filter(|&point| !occupied.iter().any(|area| area.is_overlapping(&number_disc_area(point))))
         .collect();
     // Preferred position: two thirds of the width, where branches are usually separated.
     let preferred_x = frame.left + 0.66 * frame.width();

@@ -1,11 +1,11 @@
 //! Legend of a dispersion figure.
 
 use super::figure::DispersionFigure;
+use super::number_discs::{draw_number_disc, draw_ring};
 use super::styles::{
     BAND_COLOUR, BRANCH_COLOURS, CUTOFF_DASHES, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH,
     SPEED_LIMIT_DASHES,
 };
-use super::tags::{draw_ring, draw_tag};
 use crate::growth::{LINE_WIDTH, LINEAR_RANGE_COLOUR};
 use crate::page::LegendEntry;
 use crate::picture::{Colour, INK, PALE_INK, Picture, Rectangle};
@@ -18,7 +18,7 @@ impl DispersionFigure {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 let (y, colour) = (middle(area), BRANCH_COLOURS[index % BRANCH_COLOURS.len()]);
                 picture.draw_line([[area.left, y], [area.right, y]], LINE_WIDTH, colour);
-                draw_tag(picture, [0.5 * (area.left + area.right), y], index + 1, colour);
+                draw_number_disc(picture, [0.5 * (area.left + area.right), y], index + 1, colour);
             };
             entries.push((branch.label.clone(), Box::new(swatch)));
         }
@@ -58,7 +58,7 @@ impl DispersionFigure {
                 ));
             }
         }
-        if self.has_growth() && self.is_k_log {
+        if self.has_growth() && self.is_wave_number_log {
             entries.push((
                 "linear scale about 0".to_owned(),
                 Box::new(|picture, area| {

@@ -5,11 +5,11 @@ mod draw;
 mod figure;
 mod labels;
 mod legend;
+mod number_discs;
 mod plot;
 mod styles;
-mod tags;
 #[cfg(test)]
 mod tests;
 
 pub use figure::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
-pub(crate) use tags::{TAG_RADIUS, draw_ring, draw_tag, tag_area};
+pub(crate) use number_discs::{NUMBER_DISC_RADIUS, draw_number_disc, draw_ring, number_disc_area};

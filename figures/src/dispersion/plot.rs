@@ -4,9 +4,9 @@ use plotters::style::RGBColor;
 
 use super::axes::{AxisScale, ScaleKind};
 use super::figure::{FrequencyBand, ReferenceLevel};
-use super::labels::{LABEL_SIZE, densify, place_tag, place_text};
+use super::labels::{LABEL_SIZE, densify, place_branch_number, place_text};
+use super::number_discs::{RING_RADIUS, draw_number_disc, draw_ring, number_disc_area};
 use super::styles::{BAND_COLOUR, BRANCH_COLOURS, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH};
-use super::tags::{RING_RADIUS, draw_ring, draw_tag, tag_area};
 use crate::growth::{GRID_COLOUR, LINE_WIDTH, LINEAR_RANGE_COLOUR};
 use crate::page::{self, FRAME_LINE_WIDTH};
 use crate::picture::{INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline};
@@ -17,8 +17,9 @@ pub(super) struct DispersionPanel<'a> {
     pub(super) frame: Rectangle,
     pub(super) x_scale: AxisScale,
     pub(super) y_scale: AxisScale,
-    /// Points of the solid line of each branch; `dashed_lines` has those of its dashed line.
+    /// Points of the solid line of each branch.
     pub(super) solid_lines: Vec<Vec<Point>>,
+    /// Points of the dashed line of each branch.
     pub(super) dashed_lines: Vec<Vec<Point>>,
     /// Measured points of each branch, drawn as rings.
     pub(super) measured_points: Vec<Vec<Point>>,
@@ -186,7 +187,7 @@ impl DispersionPanel<'_> {
         let mut lines: Vec<Vec<Point>> =
             solid.iter().chain(dashed).flatten().map(|part| densify(part)).collect();
         let places = self.measured_points.iter().flatten().map(|&point| self.to_point(point));
-        let mut occupied: Vec<Rectangle> = places.map(tag_area).collect();
+        let mut occupied: Vec<Rectangle> = places.map(number_disc_area).collect();
         let level_lines =
             levels.iter().map(|(y, _)| vec![[frame.left, *y], [frame.right, *y]]).collect();
         lines.extend::<Vec<Vec<Point>>>(level_lines);
@@ -215,7 +216,8 @@ impl DispersionPanel<'_> {
             }
         }
         for (branch, parts) in solid.iter().enumerate() {
-            // Points of the solid and dashed lines of all other branches, from which the branch number keeps its distance.
+            // Points of the solid and dashed lines of all other branches, from which the branch number keeps its
+            // distance.
             let others: Vec<Point> = [solid, dashed]
                 .into_iter()
                 .flat_map(|lines| lines.iter().enumerate())
@@ -223,9 +225,14 @@ impl DispersionPanel<'_> {
                 .flat_map(|(_, parts)| parts.iter())
                 .flat_map(|part| densify(part))
                 .collect();
-            if let Some(at) = place_tag(parts, &others, frame, &occupied) {
-                occupied.push(tag_area(at));
-                draw_tag(picture, at, branch + 1, BRANCH_COLOURS[branch % BRANCH_COLOURS.len()]);
+            if let Some(at) = place_branch_number(parts, &others, frame, &occupied) {
+                occupied.push(number_disc_area(at));
+                draw_number_disc(
+                    picture,
+                    at,
+                    branch + 1,
+                    BRANCH_COLOURS[branch % BRANCH_COLOURS.len()],
+                );
             }
         }
     }

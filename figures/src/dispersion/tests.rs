@@ -22,11 +22,11 @@ fn sample_figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFi
     DispersionFigure {
         title: "Title".to_owned(),
         subtitle: "subtitle".to_owned(),
-        k_label: "wave number k (1/m)".to_owned(),
+        wave_number_label: "wave number k (1/m)".to_owned(),
         frequency_label: "angular frequency ω (rad/s)".to_owned(),
         speed_label: "speed (m/s)".to_owned(),
         growth_label: "growth rate Re ς (1/s)".to_owned(),
-        is_k_log: log,
+        is_wave_number_log: log,
         is_frequency_log: log,
         branches: (0..3).map(branch).collect(),
         bands: levels.chunks(2).map(band).collect(),
@@ -62,7 +62,8 @@ fn level_labels_do_not_overlap() {
         check_figure(&sample_figure(&points, levels, true));
     }
     let mut long = sample_figure(&points, &[20.0, 60.0], false);
-    for text in [&mut long.cutoffs[0].label, &mut long.bands[0].label, &mut long.k_label] {
+    for text in [&mut long.cutoffs[0].label, &mut long.bands[0].label, &mut long.wave_number_label]
+    {
         *text = "a frequency of some kind ".repeat(30);
     }
     long.branches = (0..30).map(|index| long.branches[index % 3].clone()).collect();

@@ -7,7 +7,7 @@ use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::picture::{INK, Picture, Point, Rectangle, WHITE};
 use crate::scale::format_number;
 
-/// Vector at a point.
+/// Arrow that represents a vector at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldArrow {
     /// Coordinates of the middle of the arrow, in the units of the axes.
@@ -16,8 +16,9 @@ pub struct FieldArrow {
     pub vector: [f64; 2],
 }
 
-/// Vector field over the domain: arrows whose length grows as the square root of the magnitude, and level curves of the magnitude at 1, 2 and 5 times powers of ten from one
-/// hundredth of its maximum on. With arrows, contour lines of the values are replaced by hatching of negative values.
+/// Vector field over the domain: arrows whose length grows as the square root of the magnitude, and level curves of the
+/// magnitude at 1, 2 and 5 times powers of ten, from one hundredth of its maximum on. With arrows, contour lines of the
+/// values are replaced by hatching of negative values.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldArrows {
     /// Name and symbol of the vector.
@@ -33,24 +34,25 @@ pub struct FieldArrows {
 }
 
 /// Minimum distance of arrows along an axis, pixels.
-const MIN_DISTANCE: f64 = 30.0;
+const MIN_ARROW_DISTANCE: f64 = 30.0;
 /// Length of the longest arrow relative to the distance of arrows.
-const LENGTH_RATIO: f64 = 1.7;
+const ARROW_LENGTH_RATIO: f64 = 1.7;
 /// Arrows shorter than this are not drawn, pixels.
-const MIN_LENGTH: f64 = 3.0;
-/// Limit of the length of the longest arrow, pixels.
-const MAX_LENGTH: f64 = 90.0;
+const MIN_ARROW_LENGTH: f64 = 3.0;
+/// Upper limit of the length of the longest arrow, pixels.
+const MAX_ARROW_LENGTH: f64 = 90.0;
 /// Longest arrow in the legend, pixels.
-const LEGEND_LENGTH: f64 = 64.0;
-const CURVE_WIDTH: f64 = 1.2;
-const CURVE_DASHES: [f64; 2] = [9.0, 4.0];
+const MAX_LEGEND_ARROW_LENGTH: f64 = 64.0;
+const LEVEL_CURVE_WIDTH: f64 = 1.2;
+const LEVEL_CURVE_DASHES: [f64; 2] = [9.0, 4.0];
 
-/// Scale and selection of the arrows.
+/// Scale of the arrows, and selection of those that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ArrowScale {
-    /// Largest magnitude, and length of its arrow, pixels.
-    largest: f64,
-    longest: f64,
+    /// Largest magnitude of an arrow.
+    max_magnitude: f64,
+    /// Length of the arrow of the largest magnitude, pixels.
+    max_length: f64,
     /// Arrows are drawn at every `stride`-th coordinate along each axis.
     stride: usize,
 }
@@ -73,11 +75,11 @@ fn round_down(value: f64) -> f64 {
     factor.map_or(0.5 * power, |factor| factor * power)
 }
 
-/// Returns the levels of the curves, descending: 1, 2 and 5 times powers of ten from a hundredth of `largest` on.
-fn curve_levels(largest: f64) -> Vec<f64> {
+/// Returns the levels of the curves, descending: 1, 2 and 5 times powers of ten from a hundredth of `max_magnitude` on.
+fn curve_levels(max_magnitude: f64) -> Vec<f64> {
     let mut levels = Vec::new();
-    let mut level = round_down(0.999 * largest);
-    while level >= 0.01 * largest && level.is_normal() && levels.len() < 7 {
+    let mut level = round_down(0.999 * max_magnitude);
+    while level >= 0.01 * max_magnitude && level.is_normal() && levels.len() < 7 {
         levels.push(level);
         level = round_down(0.999 * level);
     }
@@ -87,26 +89,27 @@ fn curve_levels(largest: f64) -> Vec<f64> {
 impl ArrowScale {
     /// Returns the length of an arrow, pixels: it grows as the square root, so that a decaying field is visible.
     fn length(&self, magnitude: f64) -> f64 {
-        self.longest * (magnitude / self.largest).sqrt()
+        self.max_length * (magnitude / self.max_magnitude).sqrt()
     }
 }
 
 impl FieldArrows {
     /// Returns the largest magnitude of an arrow; 0 without finite arrows.
-    fn largest(&self) -> f64 {
+    fn max_magnitude(&self) -> f64 {
         let sizes = self.arrows.iter().map(|arrow| magnitude(arrow.vector));
         sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
     }
 
-    fn coordinates(&self, axis: usize) -> Vec<f64> {
+    /// Distinct coordinates of the arrows along an axis, ascending.
+    fn arrow_coordinates(&self, axis: usize) -> Vec<f64> {
         let all: Vec<f64> = self.arrows.iter().map(|arrow| arrow.position[axis]).collect();
         let extent = all.iter().fold(0.0, |extent: f64, own| extent.max(own.abs()));
         distinct_coordinates(all, 1e-9 * extent)
     }
 
     /// Returns the arrows at every `stride`-th coordinate along each axis, among them the middle ones.
-    fn selected(&self, stride: usize) -> impl Iterator<Item = &FieldArrow> {
-        let coordinates = [0, 1].map(|axis| self.coordinates(axis));
+    fn select_arrows(&self, stride: usize) -> impl Iterator<Item = &FieldArrow> {
+        let coordinates = [0, 1].map(|axis| self.arrow_coordinates(axis));
         let is_selected = move |arrow: &&FieldArrow| {
             (0..2).all(|axis| {
                 let own = &coordinates[axis];
@@ -127,24 +130,24 @@ impl FieldFigure {
     /// Determines the scale of the arrows in a frame; `None` without arrows of finite, positive length.
     pub(super) fn arrow_scale(&self, frame: Rectangle) -> Option<ArrowScale> {
         let own = self.arrows.as_ref()?;
-        let largest = own.largest();
-        if largest <= 0.0 {
+        let max_magnitude = own.max_magnitude();
+        if max_magnitude <= 0.0 {
             return None;
         }
         let mut distance = f64::INFINITY;
         for axis in 0..2 {
-            let places = own.coordinates(axis);
+            let places = own.arrow_coordinates(axis);
             if let [first, .., last] = places[..] {
                 let ends = [first, last].map(|end| self.pixel(frame, axis, end));
                 distance = distance.min((ends[1] - ends[0]).abs() / (places.len() - 1) as f64);
             }
         }
         let stride = match distance.is_finite() && distance > 0.0 {
-            true => (MIN_DISTANCE / distance).ceil().max(1.0),
+            true => (MIN_ARROW_DISTANCE / distance).ceil().max(1.0),
             false => 1.0,
         };
-        let longest = (LENGTH_RATIO * stride * distance).min(MAX_LENGTH);
-        Some(ArrowScale { largest, longest, stride: stride as usize })
+        let max_length = (ARROW_LENGTH_RATIO * stride * distance).min(MAX_ARROW_LENGTH);
+        Some(ArrowScale { max_magnitude, max_length, stride: stride as usize })
     }
 
     /// Traces the level curves of the magnitude, each with its level.
@@ -155,7 +158,7 @@ impl FieldFigure {
         let raster = FieldRaster::new(self, layout.frame, [MAX_COARSE_CELLS; 2]);
         let means = raster.mean_values(&own.magnitudes);
         let mut curves = Vec::new();
-        for level in curve_levels(own.largest()) {
+        for level in curve_levels(own.max_magnitude()) {
             let lines = raster.trace_contours(&means, level).into_iter();
             curves.extend(lines.filter(|line| line.len() > 2).map(|line| (level, line)));
         }
@@ -168,7 +171,7 @@ impl FieldFigure {
         curves: &[(f64, Vec<Point>)],
     ) {
         for (_, line) in curves {
-            draw_curve(picture, line);
+            draw_level_curve(picture, line);
         }
     }
 
@@ -185,11 +188,11 @@ impl FieldFigure {
         };
         // The vertical axis points upwards, pixels count downwards; either axis may be reversed.
         let sign = [&self.x, &self.y].map(|axis| (axis.end - axis.start).signum());
-        for arrow in own.selected(scale.stride) {
+        for arrow in own.select_arrows(scale.stride) {
             let at = [0, 1].map(|axis| self.pixel(frame, axis, arrow.position[axis]));
             let size = magnitude(arrow.vector);
             let length = scale.length(size);
-            if is_inside(at) && length >= MIN_LENGTH && size <= scale.largest {
+            if is_inside(at) && length >= MIN_ARROW_LENGTH && size <= scale.max_magnitude {
                 let [x, y] = arrow.vector.map(|part| length * part / size);
                 draw_arrow(picture, at, [sign[0] * x, -sign[1] * y]);
             }
@@ -203,8 +206,9 @@ impl FieldFigure {
         let Some(scale) = scale else {
             return vec![build_entry(format!("{label}: zero everywhere"), |_, _| {})];
         };
-        let ArrowScale { largest, longest, .. } = scale;
-        let value = round_down(largest * (LEGEND_LENGTH / longest).min(1.0).powi(2));
+        let ArrowScale { max_magnitude, max_length, .. } = scale;
+        let value =
+            round_down(max_magnitude * (MAX_LEGEND_ARROW_LENGTH / max_length).min(1.0).powi(2));
         let length = scale.length(value);
         let place = match scale.stride {
             1 => String::new(),
@@ -215,7 +219,7 @@ impl FieldFigure {
         let text = format!(
             "{label}: {} {unit} (length ∝ √{magnitude_label}), largest {}{place}",
             format_number(value),
-            format_number(largest)
+            format_number(max_magnitude)
         );
         let swatch = move |picture: &mut Picture, area: Rectangle| {
             let middle = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
@@ -225,7 +229,7 @@ impl FieldFigure {
         if !own.magnitudes.is_empty() {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let y = 0.5 * (area.top + area.bottom);
-                draw_curve(picture, &[[area.left, y], [area.right, y]]);
+                draw_level_curve(picture, &[[area.left, y], [area.right, y]]);
             };
             let text = format!("level curves of {magnitude_label}, {unit}, as numbered");
             entries.push(build_entry(text, swatch));
@@ -235,9 +239,9 @@ impl FieldFigure {
 }
 
 /// Draws a level curve: dashed, which distinguishes it from lines of joints and borders.
-fn draw_curve(picture: &mut Picture, line: &[Point]) {
-    picture.draw_line(line, CURVE_WIDTH + 1.6, WHITE);
-    picture.draw_dashed_line(line, &CURVE_DASHES, CURVE_WIDTH, INK);
+fn draw_level_curve(picture: &mut Picture, line: &[Point]) {
+    picture.draw_line(line, LEVEL_CURVE_WIDTH + 1.6, WHITE);
+    picture.draw_dashed_line(line, &LEVEL_CURVE_DASHES, LEVEL_CURVE_WIDTH, INK);
 }
 
 /// Draws an arrow with a white rim about its middle; `vector` is in pixels, downwards positive.

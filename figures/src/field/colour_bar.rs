@@ -55,9 +55,9 @@ impl ColourBar {
         }
     }
 
-    /// Draws the outline, with arrows at ends whose colours also stand for values beyond the scale.
+    /// Draws the outline, with arrows at ends whose colours also represent values outside the scale.
     fn draw_outline(&self, picture: &mut Picture, scale: &ColourScale) {
-        let ends: &[f64] = match scale.has_values_beyond {
+        let ends: &[f64] = match scale.has_clipped_values {
             [false, false] => &[],
             [true, false] => &[0.0],
             [false, true] => &[1.0],

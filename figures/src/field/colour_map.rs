@@ -15,8 +15,8 @@ pub(super) const NON_FINITE_STEP: i16 = i16::MIN;
 pub(super) const NON_FINITE_COLOUR: Colour = RGBColor(150, 205, 120);
 pub(super) const NON_FINITE_HATCH_COLOUR: Colour = RGBColor(0, 75, 40);
 
-/// Diverging colour maps from zero to the largest positive and negative magnitude, with nearly equal luminances at
-/// corresponding stops.
+/// Colour stops of positive values, from zero to the largest magnitude; luminances nearly equal those of
+/// [`NEGATIVE_STOPS`].
 pub(super) const POSITIVE_STOPS: [[f64; 3]; 6] = [
     [252.0, 252.0, 252.0],
     [253.0, 206.0, 183.0],
@@ -25,6 +25,7 @@ pub(super) const POSITIVE_STOPS: [[f64; 3]; 6] = [
     [170.0, 28.0, 44.0],
     [92.0, 2.0, 26.0],
 ];
+/// Colour stops of negative values, from zero to the largest magnitude.
 pub(super) const NEGATIVE_STOPS: [[f64; 3]; 6] = [
     [252.0, 252.0, 252.0],
     [188.0, 227.0, 246.0],
@@ -47,10 +48,11 @@ pub(crate) struct ColourScale {
     pub(super) limit: f64,
     /// Finite value of largest magnitude; 0 if there is none.
     pub(super) extreme_value: f64,
-    /// Number of cells beyond the limits of the scale.
+    /// Number of cells with values outside the limits of the scale.
     pub(super) clipped_count: usize,
-    /// Whether the colours at the lower and upper limit also stand for values beyond.
-    pub(super) has_values_beyond: [bool; 2],
+    /// Whether values are clipped at the lower and at the upper limit, so that their colours also stand for these
+    /// values.
+    pub(super) has_clipped_values: [bool; 2],
     /// Number of cells without a finite value.
     pub(super) non_finite_count: usize,
 }
@@ -58,9 +60,10 @@ pub(crate) struct ColourScale {
 impl ColourScale {
     pub(super) fn from_figure(figure: &FieldFigure) -> Self {
         let finite = || figure.values.iter().copied().filter(|value| value.abs() < FINITE_LIMIT);
+        let coloured = figure.coloured_values().filter(|value| value.abs() < FINITE_LIMIT);
         let mut extreme_value = 0.0_f64;
         let mut lowest = 0.0_f64;
-        for value in finite() {
+        for value in finite().chain(coloured) {
             if value.abs() > extreme_value.abs() {
                 extreme_value = value;
             }
@@ -90,7 +93,7 @@ impl ColourScale {
             limit,
             extreme_value,
             clipped_count,
-            has_values_beyond: [is_below || (is_signed && is_open), is_open],
+            has_clipped_values: [is_below || (is_signed && is_open), is_open],
             non_finite_count: figure.values.len() - finite().count(),
         }
     }
@@ -146,9 +149,9 @@ impl ColourScale {
             scale::linear_ticks(low, self.limit, max_count, is_angle)
         });
         let mut ends = Vec::new();
-        if self.has_values_beyond[1] {
+        if self.has_clipped_values[1] {
             ends.push((self.limit, format!("≥ {}", format_number(self.limit))));
-            if self.has_values_beyond[0] {
+            if self.has_clipped_values[0] {
                 ends.push((low, format!("≤ {}", format_number(low))));
             }
         } else if ticks.len() < 2 {

@@ -8,13 +8,14 @@ use super::marks::{mark_area, padded_bounds};
 use crate::picture::{Anchor, Point, Rectangle, Text, polyline_length, text_width};
 use crate::scale::format_number;
 
-/// Font size of the numbers on contour lines, and line length per number, in pixels.
+/// Font size of the numbers on contour lines, pixels.
 const NUMBER_SIZE: f64 = 20.0;
+/// Length of a contour line per number, pixels.
 const NUMBER_SPACING: f64 = 900.0;
 
 impl FieldFigure {
-    /// Places the numbers on contour lines, given with their levels. Each number is placed where its line is nearly horizontal, clear
-    /// of marks and other numbers and, if possible, of other lines.
+    /// Places the numbers on contour lines, given with their levels. Each number is placed where its line is nearly
+    /// horizontal, clear of marks and other numbers and, if possible, of other lines.
     pub(super) fn place_contour_numbers(
         &self,
         layout: &FieldLayout,

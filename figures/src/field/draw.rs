@@ -39,21 +39,23 @@ impl FieldFigure {
         self.to_picture(format)?.render(format)
     }
 
-    /// Determines layout, legend, contours and borders. The legend depends on the drawn elements, whose positions depend on the height of the
-    /// legend; hence borders, lines and names are first placed for a legend of zero height.
+    /// Determines layout, legend, contours and borders. The legend depends on the drawn elements, whose positions
+    /// depend on the height of the legend; hence borders, lines and names are first placed for a legend of zero height.
     pub(super) fn compute_arrangement(
         &self,
         scale: &ColourScale,
         format: FigureFormat,
     ) -> Arrangement {
         let top = page::heading_bottom(&self.title, &self.subtitle).ceil();
-        let trial = self.compute_layout(scale, top, 0.0);
+        let preliminary_layout = self.compute_layout(scale, top, 0.0);
         let overlay = Overlay {
-            has_borders: self.material_borders(&self.build_raster(&trial, format)).is_some(),
-            line_widths: self.line_widths(trial.frame),
-            arrow_scale: self.arrow_scale(trial.frame),
+            has_borders: self
+                .material_borders(&self.build_raster(&preliminary_layout, format))
+                .is_some(),
+            line_widths: self.line_widths(preliminary_layout.frame),
+            arrow_scale: self.arrow_scale(preliminary_layout.frame),
         };
-        let contours = self.compute_contours(scale, &trial);
+        let contours = self.compute_contours(scale, &preliminary_layout);
         let count_omitted_names =
             |layout| self.place_mark_names(layout).iter().filter(|place| place.is_none()).count();
         let build_legend = |scale: &ColourScale, contours: &Contours, omitted_names| {
@@ -76,7 +78,7 @@ impl FieldFigure {
                 if self.has_contours(scale) { Contours::Lines(Vec::new()) } else { Contours::None };
             build_legend(&full_scale, &most_contours, omitted_names).height().max(legend.height())
         };
-        let omitted_names = count_omitted_names(&trial);
+        let omitted_names = count_omitted_names(&preliminary_layout);
         let mut legend = build_legend(scale, &contours, omitted_names);
         let mut layout = self.compute_layout(scale, top, legend_height(&legend, omitted_names));
         // A smaller field may have space for fewer names.
@@ -117,7 +119,7 @@ impl FieldFigure {
         if overlay.has_borders {
             draw_borders(&mut picture, self.material_borders(&raster).unwrap_or_default());
         }
-        self.draw_line_sets(&mut picture, layout.frame, overlay.line_widths);
+        self.draw_line_sets(&mut picture, layout.frame, &scale, overlay.line_widths);
         if let Some(arrows) = overlay.arrow_scale {
             self.draw_arrows(&mut picture, &layout, arrows);
         }

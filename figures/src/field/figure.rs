@@ -1,7 +1,7 @@
-//! Data of a field figure, and their checks.
+//! Input of a field figure, and its validation.
 
 use super::arrows::FieldArrows;
-use super::lines::FieldLineSet;
+use super::lines::{FieldLineSet, FieldLineStyle};
 use crate::error::FigureError;
 
 /// Axis of a field: name and extent of the domain.
@@ -88,6 +88,12 @@ pub struct FieldFigure {
 }
 
 impl FieldFigure {
+    /// Iterates over the values of coloured lines.
+    pub(super) fn coloured_values(&self) -> impl Iterator<Item = f64> {
+        let sets = self.line_sets.iter().filter(|set| set.style == FieldLineStyle::Coloured);
+        sets.flat_map(|set| set.lines.iter().map(|line| line.value))
+    }
+
     pub(super) fn validate(&self) -> Result<(), FigureError> {
         for (axis, cells) in [(&self.x, self.columns), (&self.y, self.rows)] {
             let refuse = |problem| FigureError::Axis { label: axis.label.clone(), problem };

@@ -10,8 +10,9 @@ use crate::verdict_map::{BAR_GAP, BAR_WIDTH};
 const MIN_FRAME_LENGTH: f64 = 84.0;
 /// Minimum side length, pixels, of frames with the names of marks inside; smaller frames have margins for the names.
 const MIN_LENGTH_FOR_NAMES: f64 = 260.0;
-/// Margin for names beside a narrow frame, and above a low frame, pixels.
-const NAME_MARGIN_BESIDE: f64 = 200.0;
+/// Margin for the names of marks to the right of a narrow frame, pixels.
+const NAME_MARGIN_RIGHT: f64 = 200.0;
+/// Margin for the names of marks above a low frame, pixels.
 const NAME_MARGIN_ABOVE: f64 = 64.0;
 /// Margin for tick labels that extend beyond the right end of the frame, pixels.
 const TICK_LABEL_MARGIN: f64 = 20.0;
@@ -73,7 +74,7 @@ impl FieldFigure {
         let margin_above =
             if has_names && height < MIN_LENGTH_FOR_NAMES { NAME_MARGIN_ABOVE } else { 0.0 };
         let margin_beside =
-            if has_names && width < MIN_LENGTH_FOR_NAMES { NAME_MARGIN_BESIDE } else { 0.0 };
+            if has_names && width < MIN_LENGTH_FOR_NAMES { NAME_MARGIN_RIGHT } else { 0.0 };
         let is_y_name_above =
             height < 400.0 && text_width(&self.y.label, AXIS_NAME_SIZE, false) + 180.0 > height;
         let over =

@@ -38,7 +38,7 @@ impl FieldFigure {
         entries.extend(self.clipped_entry(scale));
         entries.extend(self.contour_entries(scale, levels));
         entries.extend(self.border_entry(overlay.has_borders));
-        entries.extend(self.line_entries(overlay.line_widths, scale.is_fixed));
+        entries.extend(self.line_entries(scale, overlay.line_widths));
         entries.extend(self.arrow_entries(overlay.arrow_scale));
         entries.extend(self.yielded_entry(scale));
         entries.extend(self.mark_entries());
@@ -62,7 +62,8 @@ impl FieldFigure {
     fn constant_entry(&self, scale: &ColourScale) -> Option<FieldLegendEntry> {
         let cells = self.values.len();
         let first = self.values[0];
-        let is_constant = self.values.iter().all(|value| *value == first);
+        let is_constant =
+            self.values.iter().copied().chain(self.coloured_values()).all(|value| value == first);
         let everywhere = if scale.limit == 0.0 && scale.non_finite_count == 0 {
             Some("zero everywhere".to_owned())
         } else if scale.limit == 0.0 && scale.non_finite_count < cells {

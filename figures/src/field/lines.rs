@@ -1,5 +1,6 @@
 //! Sets of horizontal and vertical lines with values, e.g. the joints of a blocky medium.
 
+use super::colour_map::{ColourScale, SHADE_COUNT};
 use super::figure::{FieldAxis, FieldFigure};
 use super::legend::{FieldLegendEntry, build_entry};
 use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
@@ -16,6 +17,9 @@ pub enum FieldLineStyle {
     Dashed,
     /// Gap between two thin lines; its width grows with the value.
     Gap,
+    /// Line of one width in the colour that its value has on the colour scale of the field, which covers the values of
+    /// these lines, too; not drawn if its magnitude is less than about 5 % of the scale.
+    Coloured,
 }
 
 /// Line parallel to an axis.
@@ -42,37 +46,42 @@ pub struct FieldLineSet {
     pub unit: String,
     /// Lines; adjacent lines are joined.
     pub lines: Vec<FieldLine>,
-    /// Value of the widest line; without effect on outlines.
+    /// Value of the widest line; without effect on outlines and coloured lines.
     pub limit: f64,
 }
 
+/// Smallest magnitude of the colour step of a coloured line that is drawn: paler lines would only cover outlines.
+const MIN_COLOUR_STEP: u16 = SHADE_COUNT.unsigned_abs() / 20;
 /// Number of distinct widths of lines.
-const WIDTH_STEPS: u8 = 5;
+const WIDTH_STEPS: i16 = 5;
 /// Minimum distance of parallel lines at which outlines are drawn and lines differ in thickness, pixels.
-const MIN_DISTANCE: f64 = 12.0;
+const MIN_LINE_DISTANCE: f64 = 12.0;
 const OUTLINE_COLOUR: Colour = plotters::style::RGBColor(125, 125, 125);
 const OUTLINE_WIDTH: f64 = 1.4;
-/// Widths of the narrowest line and of the widest one, if parallel lines are far apart, pixels.
-const MIN_WIDTH: f64 = 2.2;
-const MAX_WIDTH: f64 = 9.0;
+/// Width of the narrowest line, pixels.
+const MIN_LINE_WIDTH: f64 = 2.2;
+/// Width of the widest line if parallel lines are far apart, pixels.
+const MAX_LINE_WIDTH: f64 = 9.0;
 /// Share of the distance of parallel lines that the widest line covers.
 const MAX_COVERED_SHARE: f64 = 0.4;
-/// Width of the white rim of a line, and of the lines beside a gap, pixels.
+/// Width of the white rim of a line, pixels.
 const RIM_WIDTH: f64 = 1.0;
+/// Width of each of the two lines that enclose a gap, pixels.
 const GAP_LINE_WIDTH: f64 = 1.3;
 /// Lengths of a dash and of the gap after it, pixels.
-const DASHES: [f64; 2] = [6.0, 4.0];
+const DASH_LENGTHS: [f64; 2] = [6.0, 4.0];
 
-/// Joined lines, in pixels.
+/// Adjacent lines of equal width joined to one line, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LineRun {
+    /// Axis normal to the line: 0 for vertical, 1 for horizontal lines.
     axis: usize,
-    /// Coordinate across the line.
-    place: f64,
+    /// Coordinate normal to the line.
+    position: f64,
     from: f64,
     to: f64,
-    /// Width step, from 1.
-    step: u8,
+    /// Index of the width, from 1 to [`WIDTH_STEPS`]; for a coloured line the index of its colour.
+    step: i16,
 }
 
 impl LineRun {
@@ -81,16 +90,16 @@ impl LineRun {
         let (from, to) = (self.from - extension, self.to + extension);
         match self.axis {
             0 => Rectangle {
-                left: self.place - half,
-                right: self.place + half,
+                left: self.position - half,
+                right: self.position + half,
                 top: from,
                 bottom: to,
             },
             _ => Rectangle {
                 left: from,
                 right: to,
-                top: self.place - half,
-                bottom: self.place + half,
+                top: self.position - half,
+                bottom: self.position + half,
             },
         }
     }
@@ -112,47 +121,52 @@ impl LineRun {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LineWidths {
     /// Minimum distance of parallel lines of all sets; infinite for single lines.
-    distance: f64,
+    line_distance: f64,
 }
 
 impl LineWidths {
     fn is_dense(self) -> bool {
-        self.distance < MIN_DISTANCE
+        self.line_distance < MIN_LINE_DISTANCE
     }
 
-    fn width(self, step: u8) -> f64 {
+    /// Width of coloured lines.
+    fn coloured_width(self) -> f64 {
+        (0.35 * self.line_distance).clamp(1.5, 6.0)
+    }
+
+    fn width(self, step: i16) -> f64 {
         if self.is_dense() {
-            return (0.22 * self.distance).clamp(1.2, 2.0);
+            return (0.22 * self.line_distance).clamp(1.2, 2.0);
         }
-        let widest = (MAX_COVERED_SHARE * self.distance).min(MAX_WIDTH);
-        MIN_WIDTH + step_share(step) * (widest - MIN_WIDTH)
+        let widest = (MAX_COVERED_SHARE * self.line_distance).min(MAX_LINE_WIDTH);
+        MIN_LINE_WIDTH + step_share(step) * (widest - MIN_LINE_WIDTH)
     }
 
     /// Colour of a solid line.
-    fn colour(self, step: u8) -> Colour {
-        const PALEST: f64 = 165.0;
+    fn colour(self, step: i16) -> Colour {
+        const PALEST_GREY: f64 = 165.0;
         let share = if self.is_dense() { step_share(step) } else { 1.0 };
-        let grey = (PALEST + share * (f64::from(INK.0) - PALEST)).round() as u8;
+        let grey = (PALEST_GREY + share * (f64::from(INK.0) - PALEST_GREY)).round() as u8;
         plotters::style::RGBColor(grey, grey, grey)
     }
 
     /// Lengths of a dash and of the gap after it.
     fn dashes(self) -> [f64; 2] {
         // One dash per distance gives an even pattern.
-        if self.is_dense() { [0.5 * self.distance; 2] } else { DASHES }
+        if self.is_dense() { [0.5 * self.line_distance; 2] } else { DASH_LENGTHS }
     }
 }
 
 /// Returns the position of a step from the first to the last, in \[0, 1\].
-fn step_share(step: u8) -> f64 {
+fn step_share(step: i16) -> f64 {
     f64::from(step.clamp(1, WIDTH_STEPS) - 1) / f64::from(WIDTH_STEPS - 1)
 }
 
 /// Returns the width step of a value.
-fn width_step(value: f64, limit: f64) -> u8 {
+fn width_step(value: f64, limit: f64) -> i16 {
     let share = value / limit;
     // A share that is not a number, as for a limit of 0, gives the narrowest line.
-    (f64::from(WIDTH_STEPS) * share).ceil().clamp(1.0, f64::from(WIDTH_STEPS)) as u8
+    (f64::from(WIDTH_STEPS) * share).ceil().clamp(1.0, f64::from(WIDTH_STEPS)) as i16
 }
 
 impl FieldFigure {
@@ -162,14 +176,15 @@ impl FieldFigure {
         for axis in 0..2 {
             let lines = self.line_sets.iter().flat_map(|set| &set.lines);
             let own = lines.filter(|line| line.axis == axis);
-            let mut places: Vec<f64> =
+            let mut positions: Vec<f64> =
                 own.map(|line| self.pixel(frame, axis, line.centre[axis])).collect();
-            places.sort_by(f64::total_cmp);
+            positions.sort_by(f64::total_cmp);
             // Equal coordinates may differ by rounding.
-            let steps = places.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.05);
+            let steps =
+                positions.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.05);
             distance = steps.fold(distance, f64::min);
         }
-        LineWidths { distance }
+        LineWidths { line_distance: distance }
     }
 
     /// Returns the position of a coordinate along an axis, in pixels.
@@ -182,7 +197,12 @@ impl FieldFigure {
     }
 
     /// Joins adjacent lines of equal width and clips them to the frame.
-    fn join_lines(&self, set: &FieldLineSet, frame: Rectangle) -> Vec<LineRun> {
+    fn join_lines(
+        &self,
+        set: &FieldLineSet,
+        scale: &ColourScale,
+        frame: Rectangle,
+    ) -> Vec<LineRun> {
         let to_run = |line: &FieldLine| {
             let along = 1 - line.axis;
             let ends = [-0.5, 0.5].map(|part| {
@@ -192,21 +212,30 @@ impl FieldFigure {
                     _ => end.clamp(frame.top, frame.bottom),
                 }
             });
-            let place = self.pixel(frame, line.axis, line.centre[line.axis]);
+            let position = self.pixel(frame, line.axis, line.centre[line.axis]);
             let is_inside = match line.axis {
-                0 => (frame.left..=frame.right).contains(&place),
-                _ => (frame.top..=frame.bottom).contains(&place),
+                0 => (frame.left..=frame.right).contains(&position),
+                _ => (frame.top..=frame.bottom).contains(&position),
             };
             let (from, to) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
             let step = match set.style {
                 FieldLineStyle::Outline => 1,
+                FieldLineStyle::Coloured => scale.colour_step(line.value),
                 _ => width_step(line.value, set.limit),
             };
-            (is_inside && from < to).then_some(LineRun { axis: line.axis, place, from, to, step })
+            let is_drawn =
+                set.style != FieldLineStyle::Coloured || step.unsigned_abs() > MIN_COLOUR_STEP;
+            (is_inside && from < to && is_drawn).then_some(LineRun {
+                axis: line.axis,
+                position,
+                from,
+                to,
+                step,
+            })
         };
         let mut runs: Vec<LineRun> = set.lines.iter().filter_map(to_run).collect();
         // Places that differ by rounding only must not separate lines.
-        let key = |run: &LineRun| (run.axis, (20.0 * run.place).round() as i64);
+        let key = |run: &LineRun| (run.axis, (20.0 * run.position).round() as i64);
         runs.sort_by(|a, b| key(a).cmp(&key(b)).then(a.from.total_cmp(&b.from)));
         let mut joined: Vec<LineRun> = Vec::new();
         for run in runs {
@@ -229,19 +258,25 @@ impl FieldFigure {
         &self,
         picture: &mut Picture,
         frame: Rectangle,
+        scale: &ColourScale,
         widths: LineWidths,
     ) {
         for set in &self.line_sets {
             if set.style != FieldLineStyle::Outline || !widths.is_dense() {
-                draw_runs(picture, set.style, &self.join_lines(set, frame), widths);
+                let runs = self.join_lines(set, scale, frame);
+                draw_runs(picture, set.style, &runs, (scale, widths));
             }
         }
     }
 
     /// Builds one legend entry per set. With a fixed scale, sets without lines have one as well, since other frames may
     /// have lines.
-    pub(super) fn line_entries(&self, widths: LineWidths, is_fixed: bool) -> Vec<FieldLegendEntry> {
-        let shown = self.line_sets.iter().filter(|set| is_fixed || !set.lines.is_empty());
+    pub(super) fn line_entries(
+        &self,
+        scale: &ColourScale,
+        widths: LineWidths,
+    ) -> Vec<FieldLegendEntry> {
+        let shown = self.line_sets.iter().filter(|set| scale.is_fixed || !set.lines.is_empty());
         let entry = |set: &FieldLineSet| {
             let style = set.style;
             if style == FieldLineStyle::Outline && widths.is_dense() {
@@ -250,10 +285,17 @@ impl FieldFigure {
                     |_, _| {},
                 );
             }
+            let scale = scale.clone();
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let place = 0.5 * (area.top + area.bottom);
-                let steps: &[u8] = match style {
+                let position = 0.5 * (area.top + area.bottom);
+                let steps: &[i16] = match style {
                     FieldLineStyle::Outline => &[1],
+                    FieldLineStyle::Coloured if scale.is_signed => {
+                        &[-SHADE_COUNT, -SHADE_COUNT / 2, SHADE_COUNT / 2, SHADE_COUNT]
+                    }
+                    FieldLineStyle::Coloured => {
+                        &[SHADE_COUNT / 3, 2 * SHADE_COUNT / 3, SHADE_COUNT]
+                    }
                     _ => &[1, 3, 5],
                 };
                 let length = area.width() / steps.len() as f64;
@@ -262,15 +304,18 @@ impl FieldFigure {
                     .enumerate()
                     .map(|(index, &step)| {
                         let from = area.left + index as f64 * length;
-                        LineRun { axis: 1, place, from, to: from + length, step }
+                        LineRun { axis: 1, position, from, to: from + length, step }
                     })
                     .collect();
-                draw_runs(picture, style, &runs, widths);
+                draw_runs(picture, style, &runs, (&scale, widths));
             };
             let FieldLineSet { label, unit, limit, .. } = set;
-            let text = match unit.is_empty() || !limit.is_finite() {
-                true => label.clone(),
-                false => format!("{label} up to {} {unit}", format_number(*limit)),
+            let text = match () {
+                () if style == FieldLineStyle::Coloured => {
+                    format!("{label}, above 5 % of the scale")
+                }
+                () if unit.is_empty() || !limit.is_finite() => label.clone(),
+                () => format!("{label} up to {} {unit}", format_number(*limit)),
             };
             build_entry(text, swatch)
         };
@@ -279,7 +324,12 @@ impl FieldFigure {
 }
 
 /// Draws joined lines in a style.
-fn draw_runs(picture: &mut Picture, style: FieldLineStyle, runs: &[LineRun], widths: LineWidths) {
+fn draw_runs(
+    picture: &mut Picture,
+    style: FieldLineStyle,
+    runs: &[LineRun],
+    (scale, widths): (&ColourScale, LineWidths),
+) {
     let areas = |more: f64, extension: f64| -> Vec<Rectangle> {
         let area = |run: &LineRun| run.area(0.5 * widths.width(run.step) + more, extension);
         runs.iter().map(area).collect()
@@ -304,6 +354,17 @@ fn draw_runs(picture: &mut Picture, style: FieldLineStyle, runs: &[LineRun], wid
             let dashes = runs.iter().flat_map(|run| run.dashes(widths.dashes()));
             let area = |run: LineRun| run.area(0.5 * widths.width(run.step), 0.0);
             picture.fill_patches(dashes.map(area).collect(), INK);
+        }
+        FieldLineStyle::Coloured => {
+            // Larger magnitudes cover smaller ones where lines cross.
+            let mut steps: Vec<i16> = runs.iter().map(|run| run.step).collect();
+            steps.sort_unstable_by_key(|step| (step.unsigned_abs(), *step));
+            steps.dedup();
+            for step in steps {
+                let own = runs.iter().filter(|run| run.step == step);
+                let area = |run: &LineRun| run.area(0.5 * widths.coloured_width(), 0.0);
+                picture.fill_patches(own.map(area).collect(), scale.step_colour(step));
+            }
         }
         FieldLineStyle::Gap => {
             picture.fill_patches(areas(GAP_LINE_WIDTH, 0.5 * GAP_LINE_WIDTH), INK);

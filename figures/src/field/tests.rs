@@ -380,7 +380,7 @@ fn luminance_decreases_evenly_and_symmetrically() {
             limit: 1.0,
             extreme_value: 1.0,
             clipped_count: 0,
-            has_values_beyond: [false; 2],
+            has_clipped_values: [false; 2],
             non_finite_count: 0,
         };
         let light = |step: i16| crate::colour::luminance(scale.step_colour(step));

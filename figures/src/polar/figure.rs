@@ -1,4 +1,4 @@
-//! Data of a polar diagram.
+//! Input of a polar diagram.
 
 use plotters::style::RGBColor;
 
@@ -49,7 +49,8 @@ pub struct Spoke {
 
 /// Polar diagram of growth rates against the direction of the wave vector, over the full circle.
 ///
-/// The radius is symmetric logarithmic: linear about zero and logarithmic beyond. A bold circle marks zero growth rate.
+/// The radius is symmetric logarithmic: linear near zero and logarithmic at larger magnitudes. A bold circle marks zero
+/// growth rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarFigure {
     /// Title of the figure.

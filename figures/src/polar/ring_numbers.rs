@@ -54,7 +54,7 @@ pub(crate) fn choose_ring_numbers(
             .iter()
             .map(text_background)
             .filter(|area| lines.iter().any(|line| !clip_polyline(line, *area).is_empty()));
-        // A spoke behind the numbers costs as much as covered curves.
+        // A spoke covered by the numbers costs as much as covered curves.
         let cost = covered.count() as f64
             + numbers.len() as f64 * (1.0 - spoke_distance(ray) / SPOKE_CLEARANCE);
         (cost, numbers)
@@ -67,9 +67,9 @@ pub(crate) fn max_ring_numbers(length: f64) -> usize {
     (length * RAY_ANGLE_RANGE[0].to_radians().sin().abs() / (1.3 * RING_LABEL_SIZE)) as usize
 }
 
-/// Range of the angle of the ray on which the ring numbers are placed, degrees: steep, so that numbers do not overlap;
-/// and angle between ray and spoke, degrees, above which a spoke costs nothing.
+/// Range of the angle of the ray on which the ring numbers are placed, degrees: steep, so that numbers do not overlap.
 const RAY_ANGLE_RANGE: [f64; 2] = [242.0, 298.0];
+/// Angle between ray and spoke, degrees, above which a spoke has no cost.
 const SPOKE_CLEARANCE: f64 = 12.0;
 
 /// Returns the background area of a number on a ring.

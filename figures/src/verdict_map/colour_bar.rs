@@ -29,7 +29,7 @@ impl VerdictMap {
         }
         // Arrows indicate that the colours at the ends also represent levels beyond.
         let middle = 0.5 * (bar.left + bar.right);
-        for (end, beyond) in range.has_levels_beyond.into_iter().enumerate() {
+        for (end, beyond) in range.has_clipped_levels.into_iter().enumerate() {
             if beyond {
                 let (share, tip, base) = if end == 0 {
                     (0.0, bar.bottom, bar.bottom - ARROW_LENGTH)

@@ -23,9 +23,11 @@ pub(crate) fn shade_colour(fraction: f64) -> Colour {
     interpolate_stops(&SEQUENTIAL_STOPS[1..], step)
 }
 
-/// Distance of the colour bar from the map, width of the bar, and length of its arrows, pixels.
+/// Distance of the colour bar from the map, pixels.
 pub(crate) const BAR_GAP: f64 = 34.0;
+/// Width of the colour bar, pixels.
 pub(crate) const BAR_WIDTH: f64 = 36.0;
+/// Length of the arrows at the ends of the colour bar, pixels.
 pub(crate) const ARROW_LENGTH: f64 = 30.0;
 
 /// Returns the colour of lines on a shade, for contrast.

@@ -24,7 +24,7 @@ impl VerdictMap {
 
     pub(super) fn to_picture(&self) -> Result<Picture, FigureError> {
         let (x, y) = (AxisExtent::from_axis(&self.x)?, AxisExtent::from_axis(&self.y)?);
-        self.check_cells()?;
+        self.validate()?;
         let range = LevelRange::from_levels(self.ill_posed_levels().map(|(_, level)| level));
         let legend = Legend::new(self.legend_entries(range.as_ref()), page::WIDTH - 2.0 * MARGIN);
 

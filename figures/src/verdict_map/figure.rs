@@ -1,4 +1,4 @@
-//! Data of a verdict map, and their checks.
+//! Input of a verdict map, and its validation.
 
 use crate::error::FigureError;
 
@@ -72,7 +72,7 @@ pub struct VerdictMap {
 }
 
 impl VerdictMap {
-    pub(super) fn check_cells(&self) -> Result<(), FigureError> {
+    pub(super) fn validate(&self) -> Result<(), FigureError> {
         let (columns, rows) = (self.x.values.len(), self.y.values.len());
         for (field, found) in
             [("category", self.category_indices.len()), ("level", self.growth_levels.len())]

@@ -11,8 +11,8 @@ use crate::scale::Tick;
 pub(super) struct LevelRange {
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Whether finite levels lie below `low` and above `high`.
-    pub(super) has_levels_beyond: [bool; 2],
+    /// Whether some finite levels are below `low`, and whether some are above `high`.
+    pub(super) has_clipped_levels: [bool; 2],
     /// Whether at least one level is infinite.
     pub(super) has_infinite: bool,
 }
@@ -36,7 +36,7 @@ impl LevelRange {
             return has_infinite.then_some(Self {
                 low: 0.0,
                 high: 1.0,
-                has_levels_beyond: [false; 2],
+                has_clipped_levels: [false; 2],
                 has_infinite,
             });
         };
@@ -46,10 +46,10 @@ impl LevelRange {
         let trim = |outer: f64, bound: f64| if outer > inner { bound } else { f64::NAN };
         let low = trim(inner_low - min_log, inner_low).max(min_log);
         let high = trim(max_log - inner_high, inner_high).min(max_log);
-        let has_levels_beyond = [low > min_log, high < max_log];
+        let has_clipped_levels = [low > min_log, high < max_log];
         // Equal levels are extended to one decade, so that the bar has ticks.
         let (low, high) = if high - low < 1e-6 { (low - 0.5, high + 0.5) } else { (low, high) };
-        Some(Self { low, high, has_levels_beyond, has_infinite })
+        Some(Self { low, high, has_clipped_levels, has_infinite })
     }
 
     pub(super) fn fraction(&self, level: f64) -> f64 {

@@ -166,10 +166,10 @@ fn luminance_decreases_evenly() {
 fn outliers_do_not_stretch_the_colour_range() {
     let mut levels: Vec<f64> = (1..=1000).map(f64::from).collect();
     let range = LevelRange::from_levels(levels.iter().copied()).unwrap();
-    assert_eq!((range.low, range.high, range.has_levels_beyond), (0.0, 3.0, [false; 2]));
+    assert_eq!((range.low, range.high, range.has_clipped_levels), (0.0, 3.0, [false; 2]));
     levels.push(1e16);
     let range = LevelRange::from_levels(levels.iter().copied()).unwrap();
-    assert!(range.high <= 3.0 && range.has_levels_beyond == [false, true]);
+    assert!(range.high <= 3.0 && range.has_clipped_levels == [false, true]);
     assert!(LevelRange::from_levels([f64::NAN, 0.0, -3.0].into_iter()).is_none());
 }
 

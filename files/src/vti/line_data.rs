@@ -14,7 +14,7 @@ use crate::{FileError, write_atomically_with};
 pub const POINTS_ARRAY: &str = "Points";
 
 /// Straight lines between two points each, as poly data (`.vtp`) under construction. Every line is a cell with two
-/// points of its own. The same arrays added in the same order give the same bytes.
+/// points that it shares with no other line. The same arrays added in the same order give the same bytes.
 ///
 /// ```
 /// use wellposed_files::vti::{LineData, Storage};

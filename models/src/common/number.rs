@@ -66,8 +66,8 @@ pub trait Number:
 #[inline(always)]
 pub fn divide_by_three<N: Number>(x: N) -> N {
     let quotient = x * N::THIRD;
-    let rest = (x - (quotient + quotient)) - quotient;
-    quotient + rest * N::THIRD
+    let remainder = (x - (quotient + quotient)) - quotient;
+    quotient + remainder * N::THIRD
 }
 
 macro_rules! number {
@@ -100,9 +100,9 @@ macro_rules! number {
             #[inline(always)]
             fn minmod3(self, one: Self, other: Self) -> Self {
                 let smaller = |one: Self, other: Self| if one < other { one } else { other };
-                let least = smaller(smaller(self.abs(), one.abs()), other.abs());
-                let differ = one.is_sign_negative() != other.is_sign_negative();
-                if differ { 0.0 } else { least.copysign(one) }
+                let smallest = smaller(smaller(self.abs(), one.abs()), other.abs());
+                let signs_differ = one.is_sign_negative() != other.is_sign_negative();
+                if signs_differ { 0.0 } else { smallest.copysign(one) }
             }
 
             #[inline(always)]

@@ -8,7 +8,7 @@ use std::fmt::Display;
 /// A constant of a model or of a yield set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Name in lower case, words joined by underscores: `friction_angle`.
+    /// Name of the constant in lower case, words joined by underscores, e.g. `friction_angle`.
     pub name: &'static str,
     /// Quantity and symbol, for axes and legends: `friction angle φ`.
     pub label: &'static str,

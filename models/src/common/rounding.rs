@@ -204,9 +204,9 @@ mod tests {
     fn bound_covers_a_catastrophic_cancellation() {
         // (1/3 + 2/3) − 1 − 1e-17: the exact result −1e-17 is below the resolution of doubles near 1.
         let third = Rounded::from_rounded(1.0 / 3.0);
-        let rest = third + 2.0 * third - Rounded::ONE - Rounded::from_exact(1e-17);
-        assert!((rest.value + 1e-17).abs() <= rest.bound);
-        assert_eq!(rest.sign(), None);
+        let cancelled = third + 2.0 * third - Rounded::ONE - Rounded::from_exact(1e-17);
+        assert!((cancelled.value + 1e-17).abs() <= cancelled.bound);
+        assert_eq!(cancelled.sign(), None);
     }
 
     #[test]

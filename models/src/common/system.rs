@@ -37,9 +37,9 @@ pub struct LinearisedSystem<const D: usize> {
 /// An unknown of a linearised system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unknown {
-    /// Name in output.
+    /// Name of the unknown in output.
     pub name: &'static str,
-    /// Family by which characteristics are named: "velocity", "stress", …
+    /// Family of the unknown, by which characteristics are named: "velocity", "stress", …
     pub family: &'static str,
 }
 

@@ -9,7 +9,7 @@ use crate::common::rounding::Rounded;
 use crate::solid::ElasticLaw;
 use crate::solid::stress::StressComponent;
 use crate::yield_set::parameters::ActiveCondition;
-use crate::yield_set::tangent::{NoResponse, tangent};
+use crate::yield_set::tangent::{NoResponse, tangent_stiffness};
 
 /// A solid with checked constants: elastic, or elastoplastic at a stress on yield.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Solid {
         let Some(plastic) = &self.plastic_state else { return Ok(self.elastic_rates()) };
         let (layout, stiffness) = self.elastic_law.layout_and_stiffness::<D>();
         let stresses: Vec<_> = layout.all_stresses().collect();
-        let tangent = tangent(&stiffness, &stresses, &plastic.active_conditions)?;
+        let tangent = tangent_stiffness(&stiffness, &stresses, &plastic.active_conditions)?;
         Ok(self.elastic_law.rates_with_stiffness(&layout, &tangent))
     }
 
@@ -68,7 +68,7 @@ impl Solid {
         let Some(curvature) = set.curvature(stress, &stresses).filter(|_| *rate > 0.0) else {
             return Ok(None);
         };
-        let plastic = tangent(&stiffness, &stresses, active)?;
+        let plastic = tangent_stiffness(&stiffness, &stresses, active)?;
         let relaxation = (curvature * *rate).map(Rounded::from_rounded);
         let rates = self.elastic_law.rates_with_stiffness(&layout.with_out_of_plane(), &plastic);
         Ok(Some(RateEquations { relaxation, ..rates }))

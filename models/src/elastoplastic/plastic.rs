@@ -12,7 +12,7 @@ const YIELD_TOLERANCE: f64 = 1e-9;
 /// A yield set with its active conditions at a stress on yield.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticState {
-    /// The yield set.
+    /// Yield set of the solid.
     pub set: YieldSet,
     /// Stress scaled onto yield; `None` if the active conditions are given instead.
     pub stress: Option<Stress>,

@@ -36,7 +36,7 @@ pub struct UnknownColumns {
     /// Column of the pressure p.
     pub pressure: usize,
     /// Column of the stress angle ψ.
-    pub angle: usize,
+    pub stress_angle: usize,
     /// Column of the density ρ; `None` for ν = 0, where the density is constant.
     pub density: Option<usize>,
 }
@@ -47,21 +47,21 @@ impl UnknownColumns {
     /// omitted.
     pub fn reset_system(
         system: &mut LinearisedSystem<2>,
-        with_spin: bool,
+        has_spin: bool,
         equations: &'static [&'static str],
         rule: &FlowRule,
         flow: &DeformingFlow,
     ) -> Self {
-        let omitted = usize::from(!rule.is_dilatant);
-        let all = if with_spin { UNKNOWNS_WITH_SPIN } else { UNKNOWNS_WITHOUT_SPIN };
-        let unknowns = &all[..all.len() - omitted];
-        system.reset(unknowns, &equations[..equations.len() - omitted], flow.velocity);
-        let after_velocity = if with_spin { SPIN_COLUMN + 1 } else { 2 };
+        let omitted_count = usize::from(!rule.is_dilatant);
+        let all = if has_spin { UNKNOWNS_WITH_SPIN } else { UNKNOWNS_WITHOUT_SPIN };
+        let unknowns = &all[..all.len() - omitted_count];
+        system.reset(unknowns, &equations[..equations.len() - omitted_count], flow.velocity);
+        let pressure_column = if has_spin { SPIN_COLUMN + 1 } else { 2 };
         Self {
             velocity: [0, 1],
-            pressure: after_velocity,
-            angle: after_velocity + 1,
-            density: rule.is_dilatant.then_some(after_velocity + 2),
+            pressure: pressure_column,
+            stress_angle: pressure_column + 1,
+            density: rule.is_dilatant.then_some(pressure_column + 2),
         }
     }
 }
@@ -72,12 +72,12 @@ impl UnknownColumns {
 pub fn write_shared_equations(
     system: &mut LinearisedSystem<2>,
     equations: &'static [&'static str],
-    with_spin: bool,
+    has_spin: bool,
     coulomb: &MohrCoulomb,
     rule: &FlowRule,
     flow: &DeformingFlow,
 ) -> UnknownColumns {
-    let columns = UnknownColumns::reset_system(system, with_spin, equations, rule, flow);
+    let columns = UnknownColumns::reset_system(system, has_spin, equations, rule, flow);
     let volume_row = equations.len() - 3;
     write_momentum(system, &columns, coulomb, flow);
     write_flow_rule(system, volume_row, &columns, rule, flow);
@@ -95,7 +95,7 @@ pub fn write_stress_axes_rotation(
     flow: &DeformingFlow,
 ) {
     let rotation = 2.0 * rule.rotation_coefficient;
-    system.a[(row, columns.angle)] = rotation;
+    system.a[(row, columns.stress_angle)] = rotation;
     for j in 0..2 {
         system.c[(row, columns.velocity[j])] =
             rotation * Rounded::from_angle(flow.stress_angle_gradient[j]);
@@ -128,7 +128,7 @@ pub fn write_momentum(
     let twice_q = 2.0 * flow.stress.deviator;
     let [p1, p2] = flow.pressure_gradient.map(Rounded::from_rounded);
     let [a1, a2] = flow.stress_angle_gradient.map(Rounded::from_angle);
-    let UnknownColumns { velocity, pressure, angle, .. } = *columns;
+    let UnknownColumns { velocity, pressure, stress_angle: angle, .. } = *columns;
 
     system.b[0][(0, pressure)] = Rounded::ONE - sin_c2;
     system.b[1][(0, pressure)] = -sin_s2;
@@ -140,11 +140,11 @@ pub fn write_momentum(
     system.b[1][(1, angle)] = -(twice_q * s2);
 
     // Derivatives of the coefficients above with respect to p and ψ, times the background gradients; ∂q/∂p = sin φ.
-    let (along, across) = (s2 * a1 - c2 * a2, c2 * a1 + s2 * a2);
-    system.c[(0, pressure)] = 2.0 * (sin_phi * along);
-    system.c[(1, pressure)] = -(2.0 * (sin_phi * across));
-    system.c[(0, angle)] = 2.0 * (sin_s2 * p1 - sin_c2 * p2) + 2.0 * (twice_q * across);
-    system.c[(1, angle)] = -(2.0 * (sin_c2 * p1 + sin_s2 * p2)) + 2.0 * (twice_q * along);
+    let (sine_gradient, cosine_gradient) = (s2 * a1 - c2 * a2, c2 * a1 + s2 * a2);
+    system.c[(0, pressure)] = 2.0 * (sin_phi * sine_gradient);
+    system.c[(1, pressure)] = -(2.0 * (sin_phi * cosine_gradient));
+    system.c[(0, angle)] = 2.0 * (sin_s2 * p1 - sin_c2 * p2) + 2.0 * (twice_q * cosine_gradient);
+    system.c[(1, angle)] = -(2.0 * (sin_c2 * p1 + sin_s2 * p2)) + 2.0 * (twice_q * sine_gradient);
 
     for i in 0..2 {
         system.a[(i, velocity[i])] = density;
@@ -205,6 +205,8 @@ pub fn write_flow_rule(
     // with respect to ψ are 4 Q_D sin 2Δ and 4 Q_D cos 2Δ.
     let twice_delta = 2.0 * flow.rounded_noncoaxiality();
     let rate = 4.0 * Rounded::from_rounded(flow.shear_rate);
-    system.c[(volume, columns.angle)] = -(rule.dilatancy_coefficient * rate * twice_delta.sin());
-    system.c[(rotation, columns.angle)] = -(rule.shear_coefficient * rate * twice_delta.cos());
+    system.c[(volume, columns.stress_angle)] =
+        -(rule.dilatancy_coefficient * rate * twice_delta.sin());
+    system.c[(rotation, columns.stress_angle)] =
+        -(rule.shear_coefficient * rate * twice_delta.cos());
 }

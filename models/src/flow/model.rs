@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A granular-flow model as the [registry](crate::registry) lists it.
 pub struct FlowModel {
-    /// Name in case files, as in `harris-grekova`.
+    /// Name of the flow model in case files, e.g. `harris-grekova`.
     pub name: &'static str,
     /// Name in titles and legends.
     pub title: &'static str,
@@ -61,10 +61,10 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     fn rotation(&self) -> MaterialRotation;
 
     /// Writes the linearised equations about `flow` into `system`.
-    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>);
+    fn write_symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>);
 
     /// Closed-form verdict on `flow`; `None` if no formula decides it with certainty.
-    fn closed_form(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+    fn closed_form_verdict(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         let _ = flow;
         None
     }

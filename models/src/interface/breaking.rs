@@ -2,19 +2,19 @@
 //! for good (Sadovskii & Sadovskaya, kinds 2 and 6).
 //!
 //! A step is computed as [elastic-plastic](super::plastic). If S_n,mid ≥ σ_t there, the layer breaks before the step:
-//! the energy ½C_n max(S_n, 0)² is lost, the elastic opening C_nS_n becomes that of the [crack](super::cracked), and the
-//! step is that of a crack with the friction k_s. The history variable of the normal component is b₁ε with
-//! b₁ = ρ′c₁′²: the traction S_n while the layer is intact, b₁u/δ in an open crack of opening u.
+//! the energy ½C_n max(S_n, 0)² is lost, the elastic opening C_nS_n becomes that of the [crack](super::cracked), and
+//! the step is that of a crack with the friction k_s. The history variable of the normal component is b₁ε with b₁ =
+//! ρ′c₁′²: the traction S_n while the layer is intact, b₁u/δ in an open crack of opening u.
 
 use super::cracked::ContactStep;
-use super::history::{self, accumulate, inertia, record_time, set_inertia, sum_value};
+use super::history::{self, accumulate, read_motion, record_time, sum_value, write_motion};
 use super::opening_line::OpeningLine;
 use super::plastic::{ElasticTrial, PlasticStep, YieldCone};
 use super::porous::PorousComponent;
 use super::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
 use crate::common::number::Number;
 
-/// Breaking layer.
+/// Law of a breaking layer: elastic-plastic while intact, a crack with friction after fracture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BreakingLayer<N> {
     /// Normal component of the crack, with b₀ = 0 and θ₀ = 0.
@@ -28,7 +28,7 @@ pub struct BreakingLayer<N> {
 }
 
 impl<N: Number> BreakingLayer<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> BreakingLayer<M> {
         BreakingLayer {
@@ -39,7 +39,8 @@ impl<N: Number> BreakingLayer<N> {
         }
     }
 
-    /// Normal traction from the history variable b₁ε: all of it while the layer is intact, else min(b₁ε, 0), Pa.
+    /// Normal traction S_n, Pa, from the history variable b₁ε: equal to it while the layer is intact, min(b₁ε, 0) after
+    /// fracture.
     #[inline(always)]
     pub fn normal_stress(&self, history: &[N]) -> N {
         let stress = history[history::NORMAL_STATE];
@@ -48,7 +49,7 @@ impl<N: Number> BreakingLayer<N> {
 }
 
 impl<N: Number> FaceLaw<N, 2> for BreakingLayer<N> {
-    const HISTORY_VARIABLES: usize = history::MAX_HISTORY_VARIABLES;
+    const HISTORY_VARIABLE_COUNT: usize = history::MAX_HISTORY_VARIABLES;
 
     fn initialise(&self, velocities: &[[N; 2]; 2], history: &mut [N]) {
         history::initialise(velocities, history);
@@ -62,60 +63,75 @@ impl<N: Number> FaceLaw<N, 2> for BreakingLayer<N> {
         history: &mut [N],
     ) -> [[FaceState<N>; 2]; 2] {
         let (zero, step) = (N::ZERO, interval.step);
-        let starts = [history::NORMAL_INERTIA, history::SHEAR_INERTIA];
-        let old = [history[history::NORMAL_STATE], history[history::SHEAR_STRESS]];
-        let lines = [
-            OpeningLine::new(incoming[0], self.crack.mass, inertia(history, starts[0]), step),
-            OpeningLine::new(incoming[1], self.crack.mass, inertia(history, starts[1]), step),
+        let motion_starts = [history::NORMAL_MOTION, history::SHEAR_MOTION];
+        let old_stress = [history[history::NORMAL_STATE], history[history::SHEAR_STRESS]];
+        let start_motions =
+            [read_motion(history, motion_starts[0]), read_motion(history, motion_starts[1])];
+        let opening_lines = [
+            OpeningLine::new(incoming[0], self.crack.mass, start_motions[0], step),
+            OpeningLine::new(incoming[1], self.crack.mass, start_motions[1], step),
         ];
 
-        // The step of an intact layer.
+        // Step of the layer if it is intact.
         let trials = [
-            ElasticTrial::new(&lines[0], self.compliance[0], old[0], step),
-            ElasticTrial::new(&lines[1], self.compliance[1], old[1], step),
+            ElasticTrial::new(&opening_lines[0], self.compliance[0], old_stress[0], step),
+            ElasticTrial::new(&opening_lines[1], self.compliance[1], old_stress[1], step),
         ];
         let slip = history[history::SLIP];
-        let intact = PlasticStep::new(&self.cone, trials, self.compliance, old, slip, step);
-        // The strength counts as reached within rounding errors, since S_n may stay at the apex.
-        let rounding = N::from_f64(8.0) * N::EPSILON;
-        let limit = self.tensile_strength * (N::ONE - rounding);
-        let reached = intact.middle[0].select_gt(limit, N::ONE, zero);
-        let was_broken = history[history::FRACTURE_TIME];
-        let broken = was_broken.select_gt(zero, N::ONE, reached);
-        let tension = was_broken.select_gt(zero, zero, reached) * old[0].max(zero);
-        let fracture = N::HALF * self.compliance[0] * tension * tension;
+        let intact = PlasticStep::new(&self.cone, trials, self.compliance, old_stress, slip, step);
+        // The tensile strength counts as reached up to rounding errors: at the apex S_n equals it.
+        let relative_tolerance = N::from_f64(8.0) * N::EPSILON;
+        let limit = self.tensile_strength * (N::ONE - relative_tolerance);
+        let reached = intact.midpoint_stress[0].select_gt(limit, N::ONE, zero);
+        let old_fracture_time = history[history::FRACTURE_TIME];
+        let is_broken = old_fracture_time.select_gt(zero, N::ONE, reached);
+        let tension = old_fracture_time.select_gt(zero, zero, reached) * old_stress[0].max(zero);
+        let fracture_energy = N::HALF * self.compliance[0] * tension * tension;
         record_time(history, history::FRACTURE_TIME, reached, interval.end);
-        accumulate(history, history::FRACTURE, fracture);
+        accumulate(history, history::FRACTURE_ENERGY, fracture_energy);
 
-        // The step of a crack.
+        // Step of the layer if it is broken: a crack.
         let stiffness = self.crack.elasticity.collapse_stiffness;
-        let strain = old[0] * (N::ONE / stiffness);
-        let opening = self.crack.elasticity.solve(&lines[0], strain, zero, step);
-        let normal_end = old[0] + stiffness * opening.change;
+        let strain = old_stress[0] * (N::ONE / stiffness);
+        let opening = self.crack.elasticity.solve(&opening_lines[0], strain, zero, step);
+        let normal_end_stress = old_stress[0] + stiffness * opening.strain_change;
         let contact = ContactStep::new(
-            &lines[1],
+            &opening_lines[1],
             self.compliance[1],
             Some(self.cone.friction),
-            old[1],
-            [opening.middle, normal_end.min(zero)],
+            old_stress[1],
+            [opening.midpoint_stress, normal_end_stress.min(zero)],
             step,
         );
 
-        let select = |crack: N, intact: N| broken.select_gt(zero, crack, intact);
-        let slip = select(contact.slip, intact.slip);
+        let select_by_state = |crack: N, intact: N| is_broken.select_gt(zero, crack, intact);
+        let slip = select_by_state(contact.slip, intact.slip);
         history[history::SLIP] = history[history::SLIP] + slip;
         record_time(history, history::SLIP_TIME, slip, interval.end);
-        accumulate(history, history::PLASTIC, select(contact.dissipation, intact.dissipation));
-        accumulate(history, history::RELEASED, select(contact.released, zero));
-        history[history::NORMAL_STATE] = select(normal_end, intact.stress[0]);
-        history[history::SHEAR_STRESS] = select(contact.stress, intact.stress[1]);
-        let middle =
-            [select(opening.middle, intact.middle[0]), select(contact.middle, intact.middle[1])];
-        let moved = [lines[0].finish(middle[0]), lines[1].finish(middle[1])];
+        accumulate(
+            history,
+            history::PLASTIC_DISSIPATION,
+            select_by_state(contact.dissipation, intact.dissipation),
+        );
+        accumulate(
+            history,
+            history::RELEASED_ENERGY,
+            select_by_state(contact.released_energy, zero),
+        );
+        history[history::NORMAL_STATE] = select_by_state(normal_end_stress, intact.end_stress[0]);
+        history[history::SHEAR_STRESS] = select_by_state(contact.end_stress, intact.end_stress[1]);
+        let midpoint_stress = [
+            select_by_state(opening.midpoint_stress, intact.midpoint_stress[0]),
+            select_by_state(contact.midpoint_stress, intact.midpoint_stress[1]),
+        ];
+        let layer_steps = [
+            opening_lines[0].complete_step(midpoint_stress[0]),
+            opening_lines[1].complete_step(midpoint_stress[1]),
+        ];
         for i in 0..2 {
-            set_inertia(history, starts[i], moved[i].inertia);
+            write_motion(history, motion_starts[i], layer_steps[i].motion);
         }
-        [moved[0].states, moved[1].states]
+        [layer_steps[0].states, layer_steps[1].states]
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {
@@ -124,12 +140,12 @@ impl<N: Number> FaceLaw<N, 2> for BreakingLayer<N> {
         let [normal, shear] =
             std::array::from_fn(|i| N::HALF * self.compliance[i] * stress[i] * stress[i]);
         FaceEnergy {
-            kinetic: mass.kinetic_energy(inertia(history, history::NORMAL_INERTIA))
-                + mass.kinetic_energy(inertia(history, history::SHEAR_INERTIA)),
+            kinetic: mass.kinetic_energy(read_motion(history, history::NORMAL_MOTION))
+                + mass.kinetic_energy(read_motion(history, history::SHEAR_MOTION)),
             stored: normal + shear,
-            plastic: sum_value(history, history::PLASTIC),
-            released: sum_value(history, history::RELEASED),
-            fracture: sum_value(history, history::FRACTURE),
+            plastic_dissipation: sum_value(history, history::PLASTIC_DISSIPATION),
+            released_energy: sum_value(history, history::RELEASED_ENERGY),
+            fracture_energy: sum_value(history, history::FRACTURE_ENERGY),
             ..FaceEnergy::ZERO
         }
     }

@@ -1,7 +1,8 @@
-//! Layers as parts of an equivalent continuum: their elastic part, and the yield set of a blocky medium.
+//! Properties of layers for an equivalent continuum: their elastic constants, and the yield set of a blocky medium.
 //!
-//! A layer with the shear strength τ_s, friction k_s and tensile strength σ_t limits the tractions of the faces of blocks.
-//! The equivalent continuum has the interlayer yield set (Sadovskii & Sadovskaya 2019, "Plane strain state") with
+//! A layer with the shear strength τ_s, friction k_s and tensile strength σ_t limits the tractions of the faces of
+//! blocks. The equivalent continuum has the interlayer yield set (Sadovskii & Sadovskaya 2019, "Plane strain state")
+//! with
 //!
 //! ```text
 //! τ₀ = τ_s,   κ_τ = k_s,   μ₀ = κ_μσ_t,   h/6 ≤ κ_μ ≤ h/2.
@@ -25,7 +26,7 @@ pub enum OpeningLimit {
 }
 
 impl OpeningLimit {
-    /// Friction of rolling κ_μ, m, of blocks of side `period`, m.
+    /// Friction of rolling κ_μ, m, of blocks with sides of length h = `period`, m.
     pub fn couple_friction(self, period: f64) -> f64 {
         match self {
             Self::FirstOpening => period / 6.0,
@@ -33,7 +34,7 @@ impl OpeningLimit {
         }
     }
 
-    /// Description for output.
+    /// Description of the limit for output.
     pub const fn description(self) -> &'static str {
         match self {
             Self::FirstOpening => "κ_μ = h/6: faces open at an edge",
@@ -42,19 +43,19 @@ impl OpeningLimit {
     }
 }
 
-/// Strength of a layer that slips.
+/// Strength of a layer that slips: cone of shear strength and friction, and tensile strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerStrength {
-    /// Slip.
+    /// Shear strength, friction and hardening.
     pub slip: PlasticConstants,
-    /// Tensile strength σ_t, Pa: that of a breaking layer, else τ_s/k_s at the apex of the yield cone; `None` without
-    /// friction.
+    /// Tensile strength σ_t, Pa: that of a breaking layer, else τ_s/k_s at the apex of the yield cone; `None` if it is
+    /// unlimited, without friction.
     pub tensile_strength: Option<f64>,
 }
 
 impl LayerStrength {
-    /// The interlayer yield set of blocks of side `period`, m; `None` if the tensile strength is unlimited, since the
-    /// set limits couples and normal stresses together. Hardening is not included.
+    /// Returns the interlayer yield set of blocks with sides of length `period`, m, without hardening; `None` if the
+    /// tensile strength is unlimited, since the set limits couples and normal stresses together.
     pub fn to_yield_set(&self, period: f64, limit: OpeningLimit) -> Option<InterlayerYieldSet> {
         let friction = limit.couple_friction(period);
         let couple = InterlayerCoupleLimits {
@@ -72,9 +73,9 @@ impl LayerStrength {
 }
 
 impl LayerMaterial {
-    /// Elastic constants for small instantaneous deformation of the undeformed layer: of open pores, of closed cracks;
-    /// `None` for saturated layers, whose components have different masses.
-    pub fn elastic_part(&self) -> Option<ElasticMaterial> {
+    /// Returns the elastic constants of small instantaneous deformations of the layer in its initial state, with open
+    /// pores and closed cracks; `None` for saturated layers, whose components have different masses.
+    pub fn to_elastic_material(&self) -> Option<ElasticMaterial> {
         match self {
             Self::Elastic(elastic)
             | Self::Plastic(elastic, _)
@@ -86,7 +87,7 @@ impl LayerMaterial {
         }
     }
 
-    /// Constants of delayed shear, if the layer is viscous.
+    /// Returns the constants of the delayed shear of a viscous layer; `None` for other kinds.
     pub fn delayed_shear(&self) -> Option<ViscousConstants> {
         match self {
             Self::Viscous(_, viscous)
@@ -96,7 +97,7 @@ impl LayerMaterial {
         }
     }
 
-    /// Strength of an elastic-plastic or breaking layer; `None` for other kinds.
+    /// Returns the strength of an elastic-plastic or breaking layer; `None` for other kinds.
     pub fn strength(&self) -> Option<LayerStrength> {
         match *self {
             Self::Plastic(_, slip) => {
@@ -111,7 +112,7 @@ impl LayerMaterial {
         }
     }
 
-    /// Description of the state about which waves of small amplitude are computed; `None` for elastic layers.
+    /// Describes the state about which the layer is linearised for waves of small amplitude; `None` for elastic layers.
     pub const fn linearisation_note(&self) -> Option<&'static str> {
         match self {
             Self::Elastic(_) => None,
@@ -144,7 +145,7 @@ mod tests {
         PlasticConstants { shear_strength: 1e6, friction: 0.5, hardening: 0.0 };
 
     #[test]
-    fn yield_set_of_breaking_layers() {
+    fn breaking_layers_have_an_associated_yield_set() {
         let strength = LayerMaterial::Breaking(ELASTIC, SLIP, 5e5).strength().expect("a strength");
         for (limit, arm) in
             [(OpeningLimit::FirstOpening, 0.05 / 6.0), (OpeningLimit::Overturning, 0.025)]
@@ -153,14 +154,14 @@ mod tests {
             let couple = set.couple.expect("limits of couples");
             assert_eq!([set.shear_strength, set.shear_friction], [1e6, 0.5]);
             assert_eq!([couple.friction, couple.strength], [arm, arm * 5e5]);
-            // Associated.
+            // The flow is associated: dilatancy equals friction.
             assert_eq!([set.shear_dilatancy, couple.dilatancy], [0.5, arm]);
         }
     }
 
-    /// Without σ_t the tensile strength is that of the apex τ_s/k_s, unlimited without friction.
+    /// An elastic-plastic layer has the tensile strength τ_s/k_s of the apex of its yield cone, unlimited if k_s = 0.
     #[test]
-    fn tensile_strength_of_slipping_layers_is_that_of_the_apex() {
+    fn tensile_strength_of_elastic_plastic_layers_is_that_of_the_apex() {
         let strength = LayerMaterial::Plastic(ELASTIC, SLIP).strength().expect("a strength");
         assert_eq!(strength.tensile_strength, Some(2e6));
         let smooth = PlasticConstants { friction: 0.0, ..SLIP };

@@ -1,6 +1,6 @@
-//! Elastic layer: C Ṡ = d in every traction component, with compliance C, traction S and opening rate d.
+//! Elastic layer: CṠ = d in every traction component, with compliance C, m/Pa, traction S, Pa, and opening rate d, m/s.
 
-use super::opening_line::{INERTIA_VARIABLES, LayerMass, OpeningLine, initial_inertia};
+use super::opening_line::{LayerMass, MOTION_VARIABLE_COUNT, OpeningLine, initial_motion};
 use super::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
@@ -55,17 +55,17 @@ impl ElasticMaterial {
 /// and traction are continuous.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticComponent<N> {
-    /// Mass of the layer.
+    /// Mass per area of the layer.
     pub mass: LayerMass<N>,
     /// Compliance C = 1/K = δ/(ρ′c′²) ≥ 0, m/Pa.
     pub compliance: N,
 }
 
-/// Number of history variables of an elastic component: V, d and the traction S, Pa, at the end of the step.
-pub const COMPONENT_VARIABLES: usize = INERTIA_VARIABLES + 1;
+/// Number of history variables of an elastic component: velocity V and opening rate d, m/s, and traction S, Pa.
+pub const COMPONENT_VARIABLE_COUNT: usize = MOTION_VARIABLE_COUNT + 1;
 
 impl ElasticComponent<f64> {
-    /// A welded interface.
+    /// A welded interface: zero mass and compliance.
     pub const WELDED: Self =
         Self { mass: LayerMass { mass: 0.0, opening_mass: 0.0 }, compliance: 0.0 };
 
@@ -76,7 +76,7 @@ impl ElasticComponent<f64> {
 }
 
 impl<N> ElasticComponent<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> ElasticComponent<M> {
         ElasticComponent { mass: self.mass.map(&f), compliance: f(self.compliance) }
@@ -91,15 +91,15 @@ impl<N: Number> ElasticComponent<N> {
         &self,
         incoming: RiemannData<N>,
         step: N,
-        history: &mut [N; COMPONENT_VARIABLES],
+        history: &mut [N; COMPONENT_VARIABLE_COUNT],
     ) -> [FaceState<N>; 2] {
         let [velocity, opening_rate, stress] = *history;
         let line = OpeningLine::new(incoming, self.mass, [velocity, opening_rate], step);
         let rate = (self.compliance + self.compliance) / step;
-        let middle = (rate * stress + line.free_rate) * (N::ONE / (rate + line.admittance));
-        let moved = line.finish(middle);
-        *history = [moved.inertia[0], moved.inertia[1], middle + middle - stress];
-        moved.states
+        let middle = (rate * stress + line.free_opening_rate) * (N::ONE / (rate + line.admittance));
+        let layer_step = line.complete_step(middle);
+        *history = [layer_step.motion[0], layer_step.motion[1], middle + middle - stress];
+        layer_step.states
     }
 
     /// Elastic energy ½CS², J/m².
@@ -109,15 +109,15 @@ impl<N: Number> ElasticComponent<N> {
     }
 }
 
-/// Elastic layer: independent elastic components. History variables: those of each component in turn.
+/// Law of an elastic layer: independent elastic components. The history variables are those of each component in turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticLayer<N, const P: usize> {
-    /// Components: the normal one first.
+    /// Laws of the traction components, the normal one first.
     pub components: [ElasticComponent<N>; P],
 }
 
 impl<N, const P: usize> ElasticLayer<N, P> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> ElasticLayer<M, P> {
         ElasticLayer { components: self.components.map(|component| component.map(&f)) }
@@ -125,12 +125,12 @@ impl<N, const P: usize> ElasticLayer<N, P> {
 }
 
 impl<N: Number, const P: usize> FaceLaw<N, P> for ElasticLayer<N, P> {
-    const HISTORY_VARIABLES: usize = COMPONENT_VARIABLES * P;
+    const HISTORY_VARIABLE_COUNT: usize = COMPONENT_VARIABLE_COUNT * P;
 
     fn initialise(&self, velocities: &[[N; 2]; P], history: &mut [N]) {
-        let (components, _) = history.as_chunks_mut::<COMPONENT_VARIABLES>();
+        let (components, _) = history.as_chunks_mut::<COMPONENT_VARIABLE_COUNT>();
         for (component, velocities) in components.iter_mut().zip(velocities) {
-            let [velocity, opening_rate] = initial_inertia(*velocities);
+            let [velocity, opening_rate] = initial_motion(*velocities);
             *component = [velocity, opening_rate, N::ZERO];
         }
     }
@@ -144,7 +144,7 @@ impl<N: Number, const P: usize> FaceLaw<N, P> for ElasticLayer<N, P> {
     ) -> [[FaceState<N>; 2]; P] {
         let zero = FaceState { velocity: N::ZERO, stress: N::ZERO };
         let mut states = [[zero; 2]; P];
-        let (components, _) = history.as_chunks_mut::<COMPONENT_VARIABLES>();
+        let (components, _) = history.as_chunks_mut::<COMPONENT_VARIABLE_COUNT>();
         for index in 0..P {
             states[index] = self.components[index].advance(
                 incoming[index],
@@ -157,7 +157,7 @@ impl<N: Number, const P: usize> FaceLaw<N, P> for ElasticLayer<N, P> {
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {
         let mut energy = FaceEnergy::ZERO;
-        let (components, _) = history.as_chunks::<COMPONENT_VARIABLES>();
+        let (components, _) = history.as_chunks::<COMPONENT_VARIABLE_COUNT>();
         for (law, [velocity, opening_rate, stress]) in self.components.iter().zip(components) {
             energy.kinetic = energy.kinetic + law.mass.kinetic_energy([*velocity, *opening_rate]);
             energy.stored = energy.stored + law.stored_energy(*stress);

@@ -1,7 +1,7 @@
 //! Equivalent Cosserat continuum of a blocky medium: square elastic blocks of period h in plane strain, separated in
 //! both directions by the same elastic layers of stiffnesses K_n = ρ′c₁′²/δ and K_t = ρ′c₂′²/δ (Pa/m).
 //!
-//! Under a homogeneous stress every block is strained and turned homogeneously and every joint opens homogeneously, so
+//! Under a homogeneous stress the strain and rotation of every block and the opening of every joint are homogeneous, so
 //! the compliances of blocks and joints add. In the notation of [`PlaneCompliances`] (Sadovskii & Sadovskaya 2019,
 //! "Plane strain state", "Blocky medium"), with the speeds c₁, c₂ and the density ρ of the rock,
 //!
@@ -70,7 +70,7 @@ impl BlockMaterial {
     }
 }
 
-/// Square blocks with the same elastic layers along both directions.
+/// Blocky medium of square blocks with the same elastic layers in both directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockyMedium {
     /// Material of the blocks.
@@ -81,18 +81,18 @@ pub struct BlockyMedium {
     pub period: f64,
 }
 
-/// A constant of the equivalent continuum.
+/// A constant of the equivalent Cosserat continuum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Constant {
+pub enum EquivalentConstant {
     /// Compliance a₁, 1/Pa.
     A1,
     /// Compliance b₁, 1/Pa.
     B1,
     /// Difference of compliances a₂ − b₂ = 1/(2μ), 1/Pa.
     A2MinusB2,
-    /// Compliance a₂ alone, 1/Pa.
+    /// Compliance a₂, 1/Pa, which alone is less certain than a₂ − b₂.
     A2,
-    /// Compliance b₂ alone, 1/Pa.
+    /// Compliance b₂, 1/Pa, which alone is less certain than a₂ − b₂.
     B2,
     /// Couple modulus α₂, N.
     Alpha2,
@@ -100,7 +100,7 @@ pub enum Constant {
     Density,
     /// Moment of inertia per unit volume J₀, kg/m.
     Inertia,
-    /// Natural frequency of the rotation ω*, rad/s.
+    /// Natural frequency ω* of the rotation of blocks, rad/s.
     NaturalFrequency,
     /// Modulus of the antisymmetric strain α, Pa.
     Alpha,
@@ -108,8 +108,8 @@ pub enum Constant {
     Mu,
 }
 
-impl Constant {
-    /// All constants.
+impl EquivalentConstant {
+    /// All constants of the equivalent continuum.
     pub const ALL: [Self; 11] = [
         Self::A1,
         Self::B1,
@@ -124,7 +124,7 @@ impl Constant {
         Self::Mu,
     ];
 
-    /// Symbol for output.
+    /// Symbol of the constant for output.
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::A1 => "a₁",
@@ -141,7 +141,7 @@ impl Constant {
         }
     }
 
-    /// Name as a key: that of case files where they have the constant.
+    /// Name of the constant: the key of case files if they have the constant.
     pub const fn name(self) -> &'static str {
         match self {
             Self::A1 => "a1",
@@ -158,7 +158,7 @@ impl Constant {
         }
     }
 
-    /// Unit.
+    /// Unit of the constant.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::A1 | Self::B1 | Self::A2MinusB2 | Self::A2 | Self::B2 => "1/Pa",
@@ -170,7 +170,7 @@ impl Constant {
         }
     }
 
-    /// How far the value of the constant is justified.
+    /// Validity of the value of the constant.
     pub const fn validity(self) -> Validity {
         match self {
             Self::A1 | Self::B1 | Self::A2MinusB2 | Self::Density | Self::Mu => Validity::Exact,
@@ -182,21 +182,21 @@ impl Constant {
     }
 }
 
-/// How far a constant of the equivalent continuum is justified.
+/// Validity of a constant of the equivalent continuum: exact, approximate or not unique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Validity {
     /// Exact in the limit of long waves: it determines their speeds, which are those of the blocky medium in every
     /// direction.
     Exact,
-    /// Leading order in K_t h/μ of the blocks: right for blocks that move almost rigidly; it affects long waves only at
-    /// the next order in the wave number.
+    /// Leading order in the ratio K_t h/μ of joint and block stiffness, accurate for blocks that move almost rigidly;
+    /// it affects long waves only at the next order in the wave number.
     LeadingOrder,
-    /// Not unique: it depends on how moments are averaged over a cell, so couple stresses compare qualitatively only.
+    /// Not unique: the value depends on how moments are averaged over a cell, so couple stresses are only qualitative.
     NotUnique,
 }
 
 impl Validity {
-    /// Short name: `sure`, `leading order` or `not unique`.
+    /// Short name for output: `sure`, `leading order` or `not unique`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Exact => "sure",
@@ -205,7 +205,7 @@ impl Validity {
         }
     }
 
-    /// Description for output.
+    /// Description of the validity for output.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Exact => "exact for long waves",
@@ -287,25 +287,26 @@ impl HomogenisedConstants {
     /// error is of the order of the ratio.
     pub const SMALL_STIFFNESS_RATIO: f64 = 0.2;
 
-    /// Value of a constant in its [unit](Constant::unit).
-    pub const fn value(&self, constant: Constant) -> f64 {
+    /// Value of a constant in its [unit](EquivalentConstant::unit).
+    pub const fn value(&self, constant: EquivalentConstant) -> f64 {
         let solid = &self.solid;
         match constant {
-            Constant::A1 => solid.a1,
-            Constant::B1 => solid.b1,
-            Constant::A2MinusB2 => solid.a2 - solid.b2,
-            Constant::A2 => solid.a2,
-            Constant::B2 => solid.b2,
-            Constant::Alpha2 => solid.alpha2,
-            Constant::Density => solid.density,
-            Constant::Inertia => solid.inertia,
-            Constant::NaturalFrequency => self.natural_frequency,
-            Constant::Alpha => self.alpha,
-            Constant::Mu => self.mu,
+            EquivalentConstant::A1 => solid.a1,
+            EquivalentConstant::B1 => solid.b1,
+            EquivalentConstant::A2MinusB2 => solid.a2 - solid.b2,
+            EquivalentConstant::A2 => solid.a2,
+            EquivalentConstant::B2 => solid.b2,
+            EquivalentConstant::Alpha2 => solid.alpha2,
+            EquivalentConstant::Density => solid.density,
+            EquivalentConstant::Inertia => solid.inertia,
+            EquivalentConstant::NaturalFrequency => self.natural_frequency,
+            EquivalentConstant::Alpha => self.alpha,
+            EquivalentConstant::Mu => self.mu,
         }
     }
 
-    /// Whether the joints are soft enough against the blocks for constants of [`Validity::LeadingOrder`].
+    /// Whether the blocks are so much stiffer than the joints that constants of [`Validity::LeadingOrder`] are
+    /// quantitative: K_t h/μ ≤ 0.2.
     pub fn has_rigid_blocks(&self) -> bool {
         self.stiffness_ratio <= Self::SMALL_STIFFNESS_RATIO
     }

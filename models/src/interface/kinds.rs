@@ -12,15 +12,15 @@ use crate::common::input::InputError;
 use crate::common::parameter::{Parameter, to_constant_array};
 use std::fmt;
 
-/// An option of a layer: one of several words.
+/// An option of a layer: a key whose value is one of several names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayerOption {
-    /// Key in case files.
+    /// Key of the option in case files.
     pub name: &'static str,
-    /// Meaning, in one line.
+    /// Meaning of the option, in one line.
     pub meaning: &'static str,
-    /// Allowed words; the first one is the default.
-    pub words: &'static [&'static str],
+    /// Allowed values; the first one is the default.
+    pub allowed_values: &'static [&'static str],
 }
 
 /// Option of all kinds: the distribution of mass, `box` or `lumped`
@@ -28,31 +28,31 @@ pub struct LayerOption {
 pub const MASS_OPTION: LayerOption = LayerOption {
     name: "mass",
     meaning: "distribution of the mass of the layer: box scheme, or half of it lumped at each face",
-    words: &["box", "lumped"],
+    allowed_values: &["box", "lumped"],
 };
 
-/// Option of breaking layers, a boolean: whether they break in tension.
+/// Option of breaking layers: whether they break in tension, a boolean.
 pub const FRACTURE_OPTION: LayerOption = LayerOption {
     name: "fracture",
     meaning: "whether the layer breaks at its tensile strength; else it is elastic-plastic only",
-    words: &["true", "false"],
+    allowed_values: &["true", "false"],
 };
 
-/// Words of the normal component of a layer.
-pub const NORMAL_WORDS: [&str; 2] = ["elastic", "porous"];
-/// Words of the tangential component of a layer.
-pub const TANGENTIAL_WORDS: [&str; 3] = ["elastic", "viscous", "plastic"];
+/// Names of the laws of the normal component of a layer.
+pub const NORMAL_COMPONENT_NAMES: [&str; 2] = ["elastic", "porous"];
+/// Names of the laws of the tangential component of a layer.
+pub const TANGENTIAL_COMPONENT_NAMES: [&str; 3] = ["elastic", "viscous", "plastic"];
 
 /// Kind of a layer as the [registry](crate::registry) lists it.
 pub struct LayerModel {
-    /// Name in case files, as in `elastic-plastic`.
+    /// Name of the kind in case files, e.g. `elastic-plastic`.
     pub name: &'static str,
-    /// Name in titles.
+    /// Name of the kind in titles.
     pub title: &'static str,
-    /// Constants. Constants of the same name in different kinds have the same unit.
+    /// Constants of the layer. Constants of the same name in different kinds have the same unit.
     pub parameters: &'static [Parameter],
-    /// Words of the normal and of the tangential component, from [`NORMAL_WORDS`] and [`TANGENTIAL_WORDS`], if the kind
-    /// is a combination of components.
+    /// Names of the normal and the tangential law, from [`NORMAL_COMPONENT_NAMES`] and [`TANGENTIAL_COMPONENT_NAMES`],
+    /// if the kind is a combination of components.
     pub components: Option<[&'static str; 2]>,
     /// Options besides the distribution of mass.
     pub options: &'static [LayerOption],
@@ -134,9 +134,20 @@ pub static ELASTIC_PLASTIC: LayerModel = LayerModel {
     components: Some(["elastic", "plastic"]),
     options: &[],
     constructor: |given| {
-        let [a, b, c, d, shear_strength, friction, hardening] = to_constant_array(given)?;
+        let [
+            thickness,
+            density,
+            longitudinal_speed,
+            shear_speed,
+            shear_strength,
+            friction,
+            hardening,
+        ] = to_constant_array(given)?;
         let plastic = PlasticConstants { shear_strength, friction, hardening };
-        Ok(LayerMaterial::Plastic(elastic_material([a, b, c, d]), plastic))
+        Ok(LayerMaterial::Plastic(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            plastic,
+        ))
     },
 };
 
@@ -155,9 +166,13 @@ pub static VISCOUS: LayerModel = LayerModel {
     components: Some(["elastic", "viscous"]),
     options: &[],
     constructor: |given| {
-        let [a, b, c, d, delayed_compliance, viscosity] = to_constant_array(given)?;
+        let [thickness, density, longitudinal_speed, shear_speed, delayed_compliance, viscosity] =
+            to_constant_array(given)?;
         let viscous = ViscousConstants { delayed_compliance, viscosity };
-        Ok(LayerMaterial::Viscous(elastic_material([a, b, c, d]), viscous))
+        Ok(LayerMaterial::Viscous(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            viscous,
+        ))
     },
 };
 
@@ -176,10 +191,15 @@ pub static POROUS: LayerModel = LayerModel {
     components: Some(["porous", "elastic"]),
     options: &[],
     constructor: |given| {
-        let [a, b, c, d, collapse_stiffness, porosity] = to_constant_array(given)?;
+        let [thickness, density, longitudinal_speed, shear_speed, collapse_stiffness, porosity] =
+            to_constant_array(given)?;
         let pores = PorousConstants { collapse_stiffness, porosity };
         let tangential = TangentialConstants::Elastic;
-        Ok(LayerMaterial::Porous(elastic_material([a, b, c, d]), pores, tangential))
+        Ok(LayerMaterial::Porous(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            pores,
+            tangential,
+        ))
     },
 };
 
@@ -200,12 +220,24 @@ pub static POROUS_VISCOUS: LayerModel = LayerModel {
     components: Some(["porous", "viscous"]),
     options: &[],
     constructor: |given| {
-        let [a, b, c, d, collapse_stiffness, porosity, delayed_compliance, viscosity] =
-            to_constant_array(given)?;
+        let [
+            thickness,
+            density,
+            longitudinal_speed,
+            shear_speed,
+            collapse_stiffness,
+            porosity,
+            delayed_compliance,
+            viscosity,
+        ] = to_constant_array(given)?;
         let pores = PorousConstants { collapse_stiffness, porosity };
         let viscous = ViscousConstants { delayed_compliance, viscosity };
         let tangential = TangentialConstants::Viscous(viscous);
-        Ok(LayerMaterial::Porous(elastic_material([a, b, c, d]), pores, tangential))
+        Ok(LayerMaterial::Porous(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            pores,
+            tangential,
+        ))
     },
 };
 
@@ -226,11 +258,23 @@ pub static POROUS_PLASTIC: LayerModel = LayerModel {
     components: Some(["porous", "plastic"]),
     options: &[],
     constructor: |given| {
-        let [a, b, c, d, collapse_stiffness, porosity, shear_strength, hardening] =
-            to_constant_array(given)?;
+        let [
+            thickness,
+            density,
+            longitudinal_speed,
+            shear_speed,
+            collapse_stiffness,
+            porosity,
+            shear_strength,
+            hardening,
+        ] = to_constant_array(given)?;
         let pores = PorousConstants { collapse_stiffness, porosity };
         let tangential = TangentialConstants::Plastic { shear_strength, hardening };
-        Ok(LayerMaterial::Porous(elastic_material([a, b, c, d]), pores, tangential))
+        Ok(LayerMaterial::Porous(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            pores,
+            tangential,
+        ))
     },
 };
 
@@ -292,9 +336,13 @@ pub static CRACKED: LayerModel = LayerModel {
     components: None,
     options: &[],
     constructor: |given| {
-        let [a, b, c, d, friction] = to_constant_array(given)?;
+        let [thickness, density, longitudinal_speed, shear_speed, friction] =
+            to_constant_array(given)?;
         let friction = (!friction.is_nan()).then_some(friction);
-        Ok(LayerMaterial::Cracked(elastic_material([a, b, c, d]), friction))
+        Ok(LayerMaterial::Cracked(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            friction,
+        ))
     },
 };
 
@@ -315,9 +363,21 @@ pub static BREAKING: LayerModel = LayerModel {
     components: None,
     options: &[FRACTURE_OPTION],
     constructor: |given| {
-        let [a, b, c, d, shear_strength, friction, hardening, tensile_strength] =
-            to_constant_array(given)?;
+        let [
+            thickness,
+            density,
+            longitudinal_speed,
+            shear_speed,
+            shear_strength,
+            friction,
+            hardening,
+            tensile_strength,
+        ] = to_constant_array(given)?;
         let plastic = PlasticConstants { shear_strength, friction, hardening };
-        Ok(LayerMaterial::Breaking(elastic_material([a, b, c, d]), plastic, tensile_strength))
+        Ok(LayerMaterial::Breaking(
+            elastic_material([thickness, density, longitudinal_speed, shear_speed]),
+            plastic,
+            tensile_strength,
+        ))
     },
 };

@@ -1,4 +1,4 @@
-//! Layers of all kinds in one type, chosen at run time.
+//! Laws of layers of all kinds in one type, chosen at run time.
 
 use super::breaking::BreakingLayer;
 use super::cracked::CrackedLayer;
@@ -22,19 +22,19 @@ pub use super::history::MAX_HISTORY_VARIABLES;
 /// Law of a layer with a normal and a tangential component. All lanes of a [`Number`] obey the same law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayerLaw<N> {
-    /// Elastic.
+    /// Elastic in both components.
     Elastic(ElasticLayer<N, 2>),
-    /// Elastic-plastic.
+    /// Elastic-plastic: slip and opening with associated flow.
     Plastic(PlasticLayer<N>),
-    /// Viscous shear.
+    /// Elastic normal component, viscous shear.
     Viscous(ViscousLayer<N>),
-    /// Porous.
+    /// Normal component with collapsing pores.
     Porous(PorousLayer<N>),
-    /// Fluid-saturated.
+    /// Porous and fluid-saturated.
     Saturated(SaturatedLayer<N>),
-    /// Cracked.
+    /// Cracked: without tensile strength.
     Cracked(CrackedLayer<N>),
-    /// Breaking.
+    /// Breaking: elastic-plastic until fracture, then cracked.
     Breaking(BreakingLayer<N>),
 }
 
@@ -62,8 +62,8 @@ pub struct FaceRecord<N> {
 }
 
 impl LayerMaterial {
-    /// Law of the layer with its mass distributed as `distribution`.
-    pub fn law(&self, distribution: MassDistribution) -> LayerLaw<f64> {
+    /// Builds the law of the layer with its mass distributed as `distribution`.
+    pub fn to_law(&self, distribution: MassDistribution) -> LayerLaw<f64> {
         let new_mass = |mass: f64| match distribution {
             MassDistribution::Box => LayerMass::new_box(mass),
             MassDistribution::Lumped => LayerMass::new_lumped(mass),
@@ -80,22 +80,27 @@ impl LayerMaterial {
             }
             Self::Plastic(material, plastic) => {
                 let (mass, compliance) = elastic(material);
-                LayerLaw::Plastic(PlasticLayer { mass, compliance, cone: plastic.cone() })
+                LayerLaw::Plastic(PlasticLayer {
+                    mass,
+                    compliance,
+                    cone: plastic.build_yield_cone(),
+                })
             }
             Self::Viscous(material, viscous) => {
                 let (mass, [normal, shear]) = elastic(material);
                 let normal = ElasticComponent { mass, compliance: normal };
-                let shear = viscous.component(mass, shear, material.thickness);
+                let shear = viscous.build_component(mass, shear, material.thickness);
                 LayerLaw::Viscous(ViscousLayer { normal, shear })
             }
             Self::Porous(material, pores, tangential) => {
                 let (mass, [_, shear]) = elastic(material);
-                let elasticity = pores.elasticity(material.thickness, normal_modulus(material));
+                let elasticity =
+                    pores.build_elasticity(material.thickness, normal_modulus(material));
                 let elastic = ElasticComponent { mass, compliance: shear };
                 let shear = match *tangential {
                     TangentialConstants::Elastic => TangentialComponent::Elastic(elastic),
                     TangentialConstants::Viscous(viscous) => TangentialComponent::Viscous(
-                        viscous.component(mass, shear, material.thickness),
+                        viscous.build_component(mass, shear, material.thickness),
                     ),
                     TangentialConstants::Plastic { shear_strength, hardening } => {
                         let cone = YieldCone { strength: shear_strength, friction: 0.0, hardening };
@@ -105,7 +110,7 @@ impl LayerMaterial {
                 let normal = PorousComponent { mass, elasticity };
                 LayerLaw::Porous(PorousLayer { normal, shear })
             }
-            Self::Saturated(material) => LayerLaw::Saturated(material.layer(new_mass)),
+            Self::Saturated(material) => LayerLaw::Saturated(material.build_layer(new_mass)),
             Self::Cracked(material, friction) => {
                 let (mass, [_, shear_compliance]) = elastic(material);
                 let normal = PorousComponent { mass, elasticity: crack_elasticity(material) };
@@ -116,7 +121,7 @@ impl LayerMaterial {
                 LayerLaw::Breaking(BreakingLayer {
                     crack: PorousComponent { mass, elasticity: crack_elasticity(material) },
                     compliance,
-                    cone: plastic.cone(),
+                    cone: plastic.build_yield_cone(),
                     tensile_strength: *tensile_strength,
                 })
             }
@@ -124,7 +129,7 @@ impl LayerMaterial {
     }
 }
 
-/// Modulus ρ′c₁′², Pa.
+/// Modulus ρ′c₁′² of the layer under uniaxial strain, Pa.
 fn normal_modulus(material: &ElasticMaterial) -> f64 {
     material.density * material.longitudinal_speed * material.longitudinal_speed
 }
@@ -132,25 +137,25 @@ fn normal_modulus(material: &ElasticMaterial) -> f64 {
 /// Elasticity of a crack: b₀ = 0, θ₀ = 0, b₁ = ρ′c₁′².
 fn crack_elasticity(material: &ElasticMaterial) -> PorousElasticity<f64> {
     PorousConstants { collapse_stiffness: normal_modulus(material), porosity: 0.0 }
-        .elasticity(material.thickness, 0.0)
+        .build_elasticity(material.thickness, 0.0)
 }
 
 impl PlasticConstants {
-    fn cone(&self) -> YieldCone<f64> {
+    fn build_yield_cone(&self) -> YieldCone<f64> {
         let Self { shear_strength, friction, hardening } = *self;
         YieldCone { strength: shear_strength, friction, hardening }
     }
 }
 
 impl PorousConstants {
-    fn elasticity(&self, thickness: f64, open_stiffness: f64) -> PorousElasticity<f64> {
+    fn build_elasticity(&self, thickness: f64, open_stiffness: f64) -> PorousElasticity<f64> {
         let Self { collapse_stiffness, porosity } = *self;
         PorousElasticity { thickness, open_stiffness, collapse_stiffness, porosity }
     }
 }
 
 impl ViscousConstants {
-    fn component(
+    fn build_component(
         &self,
         mass: LayerMass<f64>,
         compliance: f64,
@@ -166,7 +171,7 @@ impl ViscousConstants {
 }
 
 impl SaturatedMaterial {
-    fn layer(&self, new_mass: impl Fn(f64) -> LayerMass<f64>) -> SaturatedLayer<f64> {
+    fn build_layer(&self, new_mass: impl Fn(f64) -> LayerMass<f64>) -> SaturatedLayer<f64> {
         let [skeleton, fluid, added] =
             [self.skeleton_density, self.fluid_density, self.added_density];
         let thickness = self.thickness;
@@ -175,9 +180,9 @@ impl SaturatedMaterial {
         SaturatedLayer {
             normal: PorousComponent {
                 mass: new_mass(normal_mass),
-                elasticity: self.pores.elasticity(thickness, self.undrained_stiffness),
+                elasticity: self.pores.build_elasticity(thickness, self.undrained_stiffness),
             },
-            shear: self.viscous.component(
+            shear: self.viscous.build_component(
                 new_mass(shear_mass),
                 thickness * self.instantaneous_compliance,
                 thickness,
@@ -186,7 +191,7 @@ impl SaturatedMaterial {
                 thickness,
                 density,
                 stiffness: self.fluid_stiffness,
-                coupling: self.coupling_stiffness,
+                coupling_stiffness: self.coupling_stiffness,
                 impedance: (density * self.fluid_stiffness).sqrt(),
                 speed: self.fluid_speed(),
                 skeleton_share: added / (skeleton + added),
@@ -223,11 +228,11 @@ impl LayerLaw<f64> {
 
 /// Number of history variables that a layer of type `L` uses.
 const fn count_variables<N: Number, L: FaceLaw<N, 2>>(_: &L) -> usize {
-    L::HISTORY_VARIABLES
+    L::HISTORY_VARIABLE_COUNT
 }
 
 impl<N: Number> LayerLaw<N> {
-    /// Converts all constants by `f`, as from scalars to lanes.
+    /// Converts every constant by the function `f`, e.g. from scalars to SIMD lanes.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> LayerLaw<M> {
         match self {
@@ -242,11 +247,11 @@ impl<N: Number> LayerLaw<N> {
     }
 
     /// Number of history variables of a face of this law, at most [`MAX_HISTORY_VARIABLES`].
-    pub fn history_variables(&self) -> usize {
+    pub fn history_variable_count(&self) -> usize {
         for_each_kind!(self, law => count_variables::<N, _>(law))
     }
 
-    /// Constants of the flow along the layer, if it is saturated.
+    /// Constants of the flow of the fluid along the layer; `None` unless it is saturated.
     pub fn fluid(&self) -> Option<&FluidConstants<N>> {
         match self {
             Self::Saturated(law) => Some(&law.fluid),
@@ -254,8 +259,8 @@ impl<N: Number> LayerLaw<N> {
         }
     }
 
-    /// State of a face for output.
-    pub fn record(&self, history: &[N]) -> FaceRecord<N> {
+    /// Returns the state of a face for output.
+    pub fn to_face_record(&self, history: &[N]) -> FaceRecord<N> {
         let zero = N::ZERO;
         let state = history[history::NORMAL_STATE];
         let mut record = FaceRecord {
@@ -309,7 +314,7 @@ impl<N: Number> LayerLaw<N> {
 }
 
 impl<N: Number> FaceLaw<N, 2> for LayerLaw<N> {
-    const HISTORY_VARIABLES: usize = MAX_HISTORY_VARIABLES;
+    const HISTORY_VARIABLE_COUNT: usize = MAX_HISTORY_VARIABLES;
 
     fn initialise(&self, velocities: &[[N; 2]; 2], history: &mut [N]) {
         for_each_kind!(self, law => law.initialise(velocities, history));

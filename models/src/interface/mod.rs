@@ -15,7 +15,7 @@
 //! - [`elastic`], [`plastic`], [`viscous`], [`porous`], [`saturated`], [`cracked`], [`breaking`]: laws of layers;
 //! - [`fluid`]: flow along saturated layers and through their junctions;
 //! - [`layer`]: all laws of layers in one type; [`history`]: layout of their history variables;
-//! - [`parameters`]: constants of layers of all materials; [`kinds`]: kinds of layers by name.
+//! - [`parameters`]: constants of layers of all materials; [`kinds`]: kinds of layers by name;
 //! - [`homogenised`]: equivalent Cosserat continuum of blocks with elastic layers; [`continuum`]: its yield set.
 //!
 //! Generic over [`Number`]: the same code runs on single faces and on SIMD lanes of faces.
@@ -38,7 +38,8 @@ pub mod viscous;
 
 use crate::common::number::Number;
 
-/// Incoming Riemann invariants and impedances at a face, for one traction component; index 0 is the lower side.
+/// Incoming Riemann invariants and impedances at a face, for one traction component; index 0 is the side of smaller
+/// coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RiemannData<N> {
     /// Impedances z⁻ and z⁺ > 0, kg/(m²s) for translations.
@@ -47,7 +48,7 @@ pub struct RiemannData<N> {
     pub invariant: [N; 2],
 }
 
-/// State on one side of a face, averaged over the step; it gives the fluxes.
+/// Velocity and traction on one side of a face, averaged over the step; they are the fluxes at the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceState<N> {
     /// Velocity v, m/s for translations.
@@ -68,38 +69,38 @@ pub struct Interval<N> {
 /// Energy of a face and energy that it has dissipated since the start, J/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FaceEnergy<N> {
-    /// Kinetic energy of the layer, without fluid.
+    /// Kinetic energy of the layer without the fluid, J/m².
     pub kinetic: N,
-    /// Energy stored in the layer, without fluid.
+    /// Energy stored in the layer without the fluid, J/m².
     pub stored: N,
-    /// Kinetic energy of the fluid in the layer.
+    /// Kinetic energy of the fluid in the layer, J/m².
     pub fluid_kinetic: N,
-    /// Energy stored by the pressure of the fluid.
+    /// Energy stored by the pressure of the fluid, J/m².
     pub fluid_stored: N,
-    /// Numerical dissipation of the flow of the fluid along the layer since the start.
+    /// Numerical dissipation of the flow of the fluid along the layer since the start, J/m².
     pub fluid_dissipation: N,
-    /// Plastic dissipation since the start: slip, and opening of an elastic-plastic layer.
-    pub plastic: N,
-    /// Viscous dissipation since the start.
-    pub viscous: N,
-    /// Stored shear energy that cracks released when they opened.
-    pub released: N,
-    /// Stored energy that was lost at fracture.
-    pub fracture: N,
+    /// Plastic dissipation since the start by slip, and by the opening of an elastic-plastic layer, J/m².
+    pub plastic_dissipation: N,
+    /// Viscous dissipation since the start, J/m².
+    pub viscous_dissipation: N,
+    /// Stored shear energy that cracks have released by opening since the start, J/m².
+    pub released_energy: N,
+    /// Stored energy lost at fracture, J/m².
+    pub fracture_energy: N,
 }
 
 impl<N: Number> FaceEnergy<N> {
-    /// No energy.
+    /// Zero energy and dissipation.
     pub const ZERO: Self = Self {
         kinetic: N::ZERO,
         stored: N::ZERO,
         fluid_kinetic: N::ZERO,
         fluid_stored: N::ZERO,
         fluid_dissipation: N::ZERO,
-        plastic: N::ZERO,
-        viscous: N::ZERO,
-        released: N::ZERO,
-        fracture: N::ZERO,
+        plastic_dissipation: N::ZERO,
+        viscous_dissipation: N::ZERO,
+        released_energy: N::ZERO,
+        fracture_energy: N::ZERO,
     };
 
     /// Returns energy plus dissipated energy, J/m². Its change in a step is the work done on the face.
@@ -107,20 +108,21 @@ impl<N: Number> FaceEnergy<N> {
         let Self { kinetic, stored, fluid_kinetic, fluid_stored, .. } = *self;
         (kinetic + stored)
             + (fluid_kinetic + fluid_stored + self.fluid_dissipation)
-            + ((self.plastic + self.viscous) + (self.released + self.fracture))
+            + ((self.plastic_dissipation + self.viscous_dissipation)
+                + (self.released_energy + self.fracture_energy))
     }
 }
 
 /// Law of a face with `P` traction components: the normal one first, then the others.
 ///
-/// Energy balance of every step Δt, to rounding, with E of [`FaceEnergy::total`], over the components:
-/// ΔE = Δt Σ (σ⁺v⁺ − σ⁻v⁻), where no dissipated energy decreases. So a face never adds energy to the adjacent cells.
+/// Energy balance of every step Δt, to rounding errors: ΔE = Δt Σ (σ⁺v⁺ − σ⁻v⁻) with E of [`FaceEnergy::total`], summed
+/// over the components; no dissipated energy decreases. So a face never adds energy to the adjacent cells.
 pub trait FaceLaw<N: Number, const P: usize>: Copy {
     /// Number of history variables of a face.
-    const HISTORY_VARIABLES: usize;
+    const HISTORY_VARIABLE_COUNT: usize;
 
-    /// Sets the history variables of a stress-free face to those at the start, from the velocities of the cells of the
-    /// lower and the upper side by component, m/s.
+    /// Sets the history variables to those of a stress-free face at the start of a simulation. `velocities` are those
+    /// of the adjacent cells by component, lower side first, m/s.
     fn initialise(&self, velocities: &[[N; 2]; P], history: &mut [N]);
 
     /// Advances the face by a step: updates the history variables and returns the states on both sides by component,
@@ -136,8 +138,8 @@ pub trait FaceLaw<N: Number, const P: usize>: Copy {
     fn energy(&self, history: &[N]) -> FaceEnergy<N>;
 }
 
-/// Power supplied to a face by both sides, σ⁺v⁺ − σ⁻v⁻, W/m², for one traction component.
+/// Power σ⁺v⁺ − σ⁻v⁻, W/m², supplied to a face by both adjacent cells, for one traction component.
 #[inline(always)]
-pub fn power<N: Number>([before, after]: &[FaceState<N>; 2]) -> N {
-    after.stress * after.velocity - before.stress * before.velocity
+pub fn power<N: Number>([lower, upper]: &[FaceState<N>; 2]) -> N {
+    upper.stress * upper.velocity - lower.stress * lower.velocity
 }

@@ -42,9 +42,9 @@ use crate::common::number::Number;
 
 /// Number of history variables of the momentum balance of a component: velocity V and opening rate d, m/s, at the end
 /// of the step; d is used only if the opening mass is not zero.
-pub const INERTIA_VARIABLES: usize = 2;
+pub const MOTION_VARIABLE_COUNT: usize = 2;
 
-/// Mass of a layer, for one traction component.
+/// Mass per area of a layer, for one traction component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerMass<N> {
     /// Mass per area m ≥ 0, kg/m².
@@ -66,14 +66,14 @@ impl<N: Number> LayerMass<N> {
 
     /// Kinetic energy ½mV² + ½nd², J/m².
     #[inline(always)]
-    pub fn kinetic_energy(&self, [velocity, opening_rate]: [N; INERTIA_VARIABLES]) -> N {
+    pub fn kinetic_energy(&self, [velocity, opening_rate]: [N; MOTION_VARIABLE_COUNT]) -> N {
         N::HALF * self.mass * velocity * velocity
             + N::HALF * self.opening_mass * opening_rate * opening_rate
     }
 }
 
 impl<N> LayerMass<N> {
-    /// Converts the masses by `f`.
+    /// Converts both masses by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> LayerMass<M> {
         LayerMass { mass: f(self.mass), opening_mass: f(self.opening_mass) }
@@ -87,11 +87,11 @@ impl LayerMass<f64> {
     }
 }
 
-/// Sets the history variables of the momentum balance to those of the adjacent cells at rest relative to the layer:
+/// Returns the initial velocity and opening rate of a layer from the velocities v⁻ and v⁺ of the adjacent cells, m/s:
 /// V = ½(v⁺ + v⁻), d = v⁺ − v⁻.
 #[inline(always)]
-pub fn initial_inertia<N: Number>([before, after]: [N; 2]) -> [N; INERTIA_VARIABLES] {
-    [N::HALF * (before + after), after - before]
+pub fn initial_motion<N: Number>([lower, upper]: [N; 2]) -> [N; MOTION_VARIABLE_COUNT] {
+    [N::HALF * (lower + upper), upper - lower]
 }
 
 /// Admissible states of the layer in a step: the line d = d₀′ − g′S of opening rate d against traction S, as derived in
@@ -100,88 +100,94 @@ pub fn initial_inertia<N: Number>([before, after]: [N; 2]) -> [N; INERTIA_VARIAB
 pub struct OpeningLine<N> {
     incoming: RiemannData<N>,
     /// Reciprocal 1/a of the coefficient a = 2m/Δt + 2z⁺z⁻/z̄, m²s/kg.
-    inverse_inertia: N,
+    inverse_momentum_coefficient: N,
     /// Coefficient b = 2mV/Δt + R⁺ + R⁻ − ζ(R⁺ − R⁻), Pa, with V at the beginning of the step.
     impulse: N,
     /// Impedance contrast ζ = (z⁺ − z⁻)/(z⁺ + z⁻).
-    contrast: N,
-    /// Rate ν = 2n/Δt, kg/(m²s).
-    opening_inertia: N,
-    /// V and d at the beginning of the step, m/s.
-    old: [N; INERTIA_VARIABLES],
+    impedance_contrast: N,
+    /// Impedance ν = 2n/Δt of the opening mass n, kg/(m²s).
+    opening_impedance: N,
+    /// Velocity V and opening rate d at the beginning of the step, m/s.
+    start_motion: [N; MOTION_VARIABLE_COUNT],
     /// Opening rate d₀′ at zero traction, m/s.
-    pub free_rate: N,
-    /// Admittance g′ > 0, m/(s Pa).
+    pub free_opening_rate: N,
+    /// Admittance g′ > 0 of the adjacent cells, m/(s Pa).
     pub admittance: N,
 }
 
 /// Result of the momentum balance of a step, for one traction component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerStep<N> {
-    /// V and d at the end of the step, m/s.
-    pub inertia: [N; INERTIA_VARIABLES],
-    /// Opening rate d at the midpoint, m/s.
+    /// Velocity V and opening rate d at the end of the step, m/s.
+    pub motion: [N; MOTION_VARIABLE_COUNT],
+    /// Opening rate d at the midpoint of the step, m/s.
     pub opening_rate: N,
-    /// States of both sides.
+    /// States on both sides of the face.
     pub states: [FaceState<N>; 2],
 }
 
 impl<N: Number> OpeningLine<N> {
-    /// Computes the line of a step of duration `step`, s, from V and d at its beginning. Divisors depend on impedances,
-    /// mass and step only, and quotients are products with their reciprocals: over faces with the same constants the
-    /// compiler moves all divisions out of the loop.
+    /// Computes the opening line of a step of duration `step`, s, from V and d at its beginning. Divisors depend on
+    /// impedances, mass and step only, and quotients are products with their reciprocals: over faces with the same
+    /// constants the compiler moves all divisions out of the loop.
     #[inline(always)]
     pub fn new(
         incoming: RiemannData<N>,
         mass: LayerMass<N>,
-        old: [N; INERTIA_VARIABLES],
+        start_motion: [N; MOTION_VARIABLE_COUNT],
         step: N,
     ) -> Self {
-        let [before, after] = incoming.impedance;
-        let [from_before, from_after] = incoming.invariant;
-        let inverse_sum = N::ONE / (after + before);
+        let [lower, upper] = incoming.impedance;
+        let [from_lower, from_upper] = incoming.invariant;
+        let inverse_sum = N::ONE / (upper + lower);
         let inverse_mean = inverse_sum + inverse_sum;
-        let contrast = (after - before) * inverse_sum;
-        let twice_contrast = contrast + contrast;
+        let impedance_contrast = (upper - lower) * inverse_sum;
+        let twice_impedance_contrast = impedance_contrast + impedance_contrast;
         let rate = (mass.mass + mass.mass) / step;
-        let product = after * before * inverse_mean;
-        let inverse_inertia = N::ONE / (rate + (product + product));
-        let difference = from_after - from_before;
-        let impulse = rate * old[0] + (from_after + from_before - contrast * difference);
-        let free_rate = difference * inverse_mean - twice_contrast * inverse_inertia * impulse;
-        let admittance =
-            inverse_mean + inverse_mean + twice_contrast * twice_contrast * inverse_inertia;
-        let opening_inertia = (mass.opening_mass + mass.opening_mass) / step;
-        let product = admittance * opening_inertia;
-        let share = N::ONE / (N::ONE + product);
+        let product = upper * lower * inverse_mean;
+        let inverse_momentum_coefficient = N::ONE / (rate + (product + product));
+        let difference = from_upper - from_lower;
+        let impulse =
+            rate * start_motion[0] + (from_upper + from_lower - impedance_contrast * difference);
+        let free_opening_rate = difference * inverse_mean
+            - twice_impedance_contrast * inverse_momentum_coefficient * impulse;
+        let admittance = inverse_mean
+            + inverse_mean
+            + twice_impedance_contrast * twice_impedance_contrast * inverse_momentum_coefficient;
+        let opening_impedance = (mass.opening_mass + mass.opening_mass) / step;
+        let product = admittance * opening_impedance;
+        let attenuation = N::ONE / (N::ONE + product);
         Self {
             incoming,
-            inverse_inertia,
+            inverse_momentum_coefficient,
             impulse,
-            contrast,
-            opening_inertia,
-            old,
-            free_rate: (free_rate + product * old[1]) * share,
-            admittance: admittance * share,
+            impedance_contrast,
+            opening_impedance,
+            start_motion,
+            free_opening_rate: (free_opening_rate + product * start_motion[1]) * attenuation,
+            admittance: admittance * attenuation,
         }
     }
 
-    /// Computes the end of the step for the traction `stress` S of the layer at the midpoint, Pa.
+    /// Computes the motion at the end of the step and the states on both sides from the traction S = `stress` of the
+    /// layer at the midpoint, Pa.
     #[inline(always)]
-    pub fn finish(&self, stress: N) -> LayerStep<N> {
-        let opening_rate = self.free_rate - self.admittance * stress;
-        let mean = stress + self.opening_inertia * (opening_rate - self.old[1]);
-        let velocity =
-            (self.impulse + (self.contrast + self.contrast) * mean) * self.inverse_inertia;
+    pub fn complete_step(&self, stress: N) -> LayerStep<N> {
+        let opening_rate = self.free_opening_rate - self.admittance * stress;
+        let mean = stress + self.opening_impedance * (opening_rate - self.start_motion[1]);
+        let velocity = (self.impulse + (self.impedance_contrast + self.impedance_contrast) * mean)
+            * self.inverse_momentum_coefficient;
         let half_opening = N::HALF * opening_rate;
-        let [before, after] = [velocity - half_opening, velocity + half_opening];
+        let [lower, upper] = [velocity - half_opening, velocity + half_opening];
         let RiemannData { impedance, invariant } = self.incoming;
         let states = [
-            FaceState { velocity: before, stress: impedance[0] * before - invariant[0] },
-            FaceState { velocity: after, stress: invariant[1] - impedance[1] * after },
+            FaceState { velocity: lower, stress: impedance[0] * lower - invariant[0] },
+            FaceState { velocity: upper, stress: invariant[1] - impedance[1] * upper },
         ];
-        let inertia =
-            [velocity + velocity - self.old[0], opening_rate + opening_rate - self.old[1]];
-        LayerStep { inertia, opening_rate, states }
+        let motion = [
+            velocity + velocity - self.start_motion[0],
+            opening_rate + opening_rate - self.start_motion[1],
+        ];
+        LayerStep { motion, opening_rate, states }
     }
 }

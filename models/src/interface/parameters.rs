@@ -152,7 +152,7 @@ pub struct ViscousConstants {
     pub viscosity: f64,
 }
 
-/// Constants of collapsing pores.
+/// Constants of pores that collapse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PorousConstants {
     /// Stiffness b₁ added by collapsed pores, Pa; ≥ 0.
@@ -161,14 +161,14 @@ pub struct PorousConstants {
     pub porosity: f64,
 }
 
-/// Tangential law of a porous layer.
+/// Constants of the tangential law of a porous layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TangentialConstants {
-    /// Elastic.
+    /// Elastic shear.
     Elastic,
-    /// Viscous.
+    /// Viscous shear.
     Viscous(ViscousConstants),
-    /// Elastic-plastic without friction, k_s = 0.
+    /// Elastic-plastic shear without friction, k_s = 0.
     Plastic {
         /// Shear strength τ_s, Pa; ≥ 0.
         shear_strength: f64,
@@ -190,7 +190,7 @@ pub struct SaturatedMaterial {
     pub added_density: f64,
     /// Stiffness b₀ across the layer at fixed fluid content, Pa; > 0.
     pub undrained_stiffness: f64,
-    /// Collapsing pores.
+    /// Constants of the collapsing pores.
     pub pores: PorousConstants,
     /// Coupling stiffness b_s, Pa; b₀b_f > b_s².
     pub coupling_stiffness: f64,
@@ -198,7 +198,7 @@ pub struct SaturatedMaterial {
     pub fluid_stiffness: f64,
     /// Instantaneous shear compliance a₀, 1/Pa; > 0.
     pub instantaneous_compliance: f64,
-    /// Delayed shear.
+    /// Constants of the delayed shear.
     pub viscous: ViscousConstants,
 }
 
@@ -213,9 +213,9 @@ pub enum MassDistribution {
 }
 
 impl MassDistribution {
-    /// The distribution with the given word of the option `mass`: `box` or `lumped`.
-    pub fn from_word(word: &str) -> Option<Self> {
-        match word {
+    /// Returns the distribution of the given name, `box` or `lumped`, a value of the option `mass`; `None` for others.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
             "box" => Some(Self::Box),
             "lumped" => Some(Self::Lumped),
             _ => None,
@@ -279,7 +279,7 @@ impl TangentialConstants {
 }
 
 impl SaturatedMaterial {
-    /// Checks the constants.
+    /// Checks the constants of the layer.
     ///
     /// # Errors
     /// A constant is out of range, or the energy is not positive, b₀b_f ≤ b_s².
@@ -305,20 +305,21 @@ impl SaturatedMaterial {
         self.viscous.check()
     }
 
-    /// Density ρ̂ = ρ_f + ρ_sρ_a/(ρ_s + ρ_a) of the fluid against the free skeleton, kg/m³.
+    /// Effective density ρ̂ = ρ_f + ρ_sρ_a/(ρ_s + ρ_a) of the fluid, whose skeleton is free to move along the layer,
+    /// kg/m³.
     pub fn free_fluid_density(&self) -> f64 {
         let [skeleton, added] = [self.skeleton_density, self.added_density];
         self.fluid_density + skeleton * added / (skeleton + added)
     }
 
-    /// Wave speed √(b_f/ρ̂) along the layer in the stage along the layer, m/s.
+    /// Speed √(b_f/ρ̂) of waves of the fluid along the layer, m/s.
     pub fn fluid_speed(&self) -> f64 {
         (self.fluid_stiffness / self.free_fluid_density()).sqrt()
     }
 }
 
 impl LayerMaterial {
-    /// Returns this layer without fracture: a breaking layer becomes elastic-plastic, other kinds are unchanged.
+    /// Returns the layer without fracture: a breaking layer becomes elastic-plastic, other kinds are unchanged.
     pub fn without_fracture(self) -> Self {
         match self {
             Self::Breaking(elastic, plastic, _) => Self::Plastic(elastic, plastic),
@@ -392,7 +393,7 @@ impl LayerMaterial {
         )
     }
 
-    /// Elastic constants; those of the saturated layer as the error.
+    /// Returns the elastic constants; for a saturated layer its constants as the error.
     fn elastic(&self) -> Result<&ElasticMaterial, &SaturatedMaterial> {
         match self {
             Self::Elastic(elastic)

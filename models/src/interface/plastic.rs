@@ -18,24 +18,24 @@
 //! returned likewise with C in the place of G, h = H and the slip μ in the place of λ, which dissipates
 //! μ(τ + Hμ) + ½Σ C (ΔS)² ≥ 0.
 
-use super::history::{self, accumulate, inertia, record_time, set_inertia, sum_value};
+use super::history::{self, accumulate, read_motion, record_time, sum_value, write_motion};
 use super::opening_line::{LayerMass, OpeningLine};
 use super::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
 use crate::common::number::Number;
 
-/// Absolute value.
+/// Absolute value of `x`.
 #[inline(always)]
 pub(super) fn abs<N: Number>(x: N) -> N {
     x.max(-x)
 }
 
-/// `size` with the sign of `x`; the sign of zero is positive.
+/// Returns `magnitude` with the sign of `x`; the sign of zero is positive.
 #[inline(always)]
-pub(super) fn with_sign<N: Number>(size: N, x: N) -> N {
-    N::ZERO.select_gt(x, -size, size)
+pub(super) fn with_sign<N: Number>(magnitude: N, x: N) -> N {
+    N::ZERO.select_gt(x, -magnitude, magnitude)
 }
 
-/// Yield condition |S_t| + k_s S_n ≤ τ_s + Hχ.
+/// Yield cone |S_t| + k_s S_n ≤ τ_s + Hχ of the tractions of a layer, with the slip χ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct YieldCone<N> {
     /// Shear strength τ_s ≥ 0, Pa.
@@ -49,16 +49,16 @@ pub struct YieldCone<N> {
 /// Traction returned to a yield cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReturnedTraction<N> {
-    /// Returned tractions S_n and S_t.
+    /// Returned tractions S_n and S_t, Pa.
     pub stress: [N; 2],
-    /// Multiplier λ ≥ 0.
+    /// Plastic multiplier λ ≥ 0: slip rate, m/s, or slip, m.
     pub multiplier: N,
     /// Strength τ + hλ ≥ 0, Pa.
     pub strength: N,
 }
 
 impl<N: Number> YieldCone<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> YieldCone<M> {
         YieldCone {
@@ -70,78 +70,84 @@ impl<N: Number> YieldCone<N> {
 
     /// Strength τ_s + Hχ at the slip χ, Pa.
     #[inline(always)]
-    pub fn strength_at(&self, slip: N) -> N {
+    pub fn hardened_strength(&self, slip: N) -> N {
         self.strength + self.hardening * slip
     }
 
-    /// Returns the tractions `trial` (normal, tangential) to the cone of strength `strength` τ + hλ in the norm of
-    /// `stiffness` G > 0, where `hardening` is h.
+    /// Returns the tractions `trial` (normal, tangential) to the cone of strength `strength` τ + hλ in the norm
+    /// with the `weights` G > 0 (admittances 2C/Δt + g or compliances C), where `hardening` is h.
     #[inline(always)]
     pub fn return_traction(
         &self,
         trial: [N; 2],
-        stiffness: [N; 2],
+        weights: [N; 2],
         strength: N,
         hardening: N,
     ) -> ReturnedTraction<N> {
         let [normal, shear] = trial;
-        let size = abs(shear);
-        let [soft_normal, soft_shear] = [N::ONE / stiffness[0], N::ONE / stiffness[1]];
+        let magnitude = abs(shear);
+        let [normal_stiffness, shear_stiffness] = [N::ONE / weights[0], N::ONE / weights[1]];
         let k = self.friction;
-        let excess = (size + k * normal - strength).max(N::ZERO);
-        let multiplier = excess * (N::ONE / (soft_shear + k * k * soft_normal + hardening));
-        let reduced = size - multiplier * soft_shear;
+        let excess = (magnitude + k * normal - strength).max(N::ZERO);
+        let multiplier =
+            excess * (N::ONE / (shear_stiffness + k * k * normal_stiffness + hardening));
+        let reduced_magnitude = magnitude - multiplier * shear_stiffness;
         // The apex exists for k > 0 only; else its formulas are evaluated with k = 1 and not used.
-        let slope = k.select_gt(N::ZERO, k, N::ONE);
-        let inverse_slope = N::ONE / slope;
-        let apex_excess = (normal - strength * inverse_slope).max(N::ZERO);
-        let apex_multiplier =
-            apex_excess * (N::ONE / (slope * soft_normal + hardening * inverse_slope));
+        let apex_friction = k.select_gt(N::ZERO, k, N::ONE);
+        let inverse_apex_friction = N::ONE / apex_friction;
+        let apex_excess = (normal - strength * inverse_apex_friction).max(N::ZERO);
+        let apex_multiplier = apex_excess
+            * (N::ONE / (apex_friction * normal_stiffness + hardening * inverse_apex_friction));
         let apex_strength = strength + hardening * apex_multiplier;
-        let beyond = k.select_gt(N::ZERO, -reduced, N::ZERO);
+        let is_beyond_apex = k.select_gt(N::ZERO, -reduced_magnitude, N::ZERO);
         let new_strength = strength + hardening * multiplier;
-        let regular_normal = normal - multiplier * k * soft_normal;
+        let regular_normal = normal - multiplier * k * normal_stiffness;
         // Without rounding errors the limit is reached if λ > 0.
-        let limit = new_strength - k * regular_normal;
-        let regular_size = reduced.min(limit).max(N::ZERO);
-        let size = beyond.select_gt(N::ZERO, N::ZERO, regular_size);
+        let max_magnitude = new_strength - k * regular_normal;
+        let regular_magnitude = reduced_magnitude.min(max_magnitude).max(N::ZERO);
+        let returned_magnitude = is_beyond_apex.select_gt(N::ZERO, N::ZERO, regular_magnitude);
         ReturnedTraction {
             stress: [
-                beyond.select_gt(N::ZERO, apex_strength * inverse_slope, regular_normal),
-                with_sign(size, shear),
+                is_beyond_apex.select_gt(
+                    N::ZERO,
+                    apex_strength * inverse_apex_friction,
+                    regular_normal,
+                ),
+                with_sign(returned_magnitude, shear),
             ],
-            multiplier: beyond.select_gt(N::ZERO, apex_multiplier, multiplier),
-            strength: beyond.select_gt(N::ZERO, apex_strength, new_strength),
+            multiplier: is_beyond_apex.select_gt(N::ZERO, apex_multiplier, multiplier),
+            strength: is_beyond_apex.select_gt(N::ZERO, apex_strength, new_strength),
         }
     }
 }
 
-/// Elastic trial of a component in a step.
+/// Elastic trial of a traction component in a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ElasticTrial<N> {
-    /// Stiffness G = 2C/Δt + g, m/(s Pa).
-    pub(super) stiffness: N,
+    /// Admittance G = 2C/Δt + g of the layer and the adjacent cells, m/(s Pa).
+    pub(super) admittance: N,
     /// Trial traction S̄ at the midpoint, Pa.
     pub(super) stress: N,
 }
 
 impl<N: Number> ElasticTrial<N> {
-    /// S̄ = (2CS/Δt + d₀)/G.
+    /// Computes the trial S̄ = (2CS/Δt + d₀)/G from the traction S = `old_stress`, Pa, at the beginning of the step.
     #[inline(always)]
-    pub(super) fn new(line: &OpeningLine<N>, compliance: N, old: N, step: N) -> Self {
+    pub(super) fn new(line: &OpeningLine<N>, compliance: N, old_stress: N, step: N) -> Self {
         let rate = (compliance + compliance) / step;
-        let stiffness = rate + line.admittance;
-        Self { stiffness, stress: (rate * old + line.free_rate) * (N::ONE / stiffness) }
+        let admittance = rate + line.admittance;
+        let stress = (rate * old_stress + line.free_opening_rate) * (N::ONE / admittance);
+        Self { admittance, stress }
     }
 }
 
-/// Result of the plastic midpoint rule.
+/// Result of a step by the plastic midpoint rule.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlasticStep<N> {
-    /// Tractions at the midpoint, Pa.
-    pub(super) middle: [N; 2],
-    /// Tractions at the end of the step, Pa.
-    pub(super) stress: [N; 2],
+    /// Tractions S_n and S_t at the midpoint of the step, Pa.
+    pub(super) midpoint_stress: [N; 2],
+    /// Tractions S_n and S_t at the end of the step, Pa.
+    pub(super) end_stress: [N; 2],
     /// Slip in the step, m.
     pub(super) slip: N,
     /// Dissipation in the step, J/m².
@@ -149,70 +155,70 @@ pub(super) struct PlasticStep<N> {
 }
 
 impl<N: Number> PlasticStep<N> {
-    /// Computes the step from the elastic trials, the tractions `old` and the slip at its beginning.
+    /// Computes the step from the elastic trials, the tractions `old_stress` and the slip at its beginning.
     #[inline(always)]
     pub(super) fn new(
         cone: &YieldCone<N>,
         trials: [ElasticTrial<N>; 2],
         compliance: [N; 2],
-        old: [N; 2],
+        old_stress: [N; 2],
         slip: N,
         step: N,
     ) -> Self {
         let half_hardening = N::HALF * step * cone.hardening;
-        let middle = cone.return_traction(
+        let midpoint = cone.return_traction(
             [trials[0].stress, trials[1].stress],
-            [trials[0].stiffness, trials[1].stiffness],
-            cone.strength_at(slip),
+            [trials[0].admittance, trials[1].admittance],
+            cone.hardened_strength(slip),
             half_hardening,
         );
-        let middle_slip = step * middle.multiplier;
-        let mut reflected = middle.stress;
+        let midpoint_slip = step * midpoint.multiplier;
+        let mut reflected_stress = midpoint.stress;
         for i in 0..2 {
-            reflected[i] = middle.stress[i] + middle.stress[i] - old[i];
+            reflected_stress[i] = midpoint.stress[i] + midpoint.stress[i] - old_stress[i];
         }
         let end = cone.return_traction(
-            reflected,
+            reflected_stress,
             compliance,
-            cone.strength_at(slip + middle_slip),
+            cone.hardened_strength(slip + midpoint_slip),
             cone.hardening,
         );
         let mut losses = [N::ZERO; 2];
         for i in 0..2 {
-            let change = reflected[i] - end.stress[i];
+            let change = reflected_stress[i] - end.stress[i];
             losses[i] = N::HALF * compliance[i] * change * change;
         }
         Self {
-            middle: middle.stress,
-            stress: end.stress,
-            slip: middle_slip + end.multiplier,
-            dissipation: middle_slip * middle.strength
+            midpoint_stress: midpoint.stress,
+            end_stress: end.stress,
+            slip: midpoint_slip + end.multiplier,
+            dissipation: midpoint_slip * midpoint.strength
                 + (end.multiplier * end.strength + (losses[0] + losses[1])),
         }
     }
 
-    /// Adds slip and dissipation to the history variables.
+    /// Adds the slip and the dissipation of the step to the history variables; `end` is the time at its end, s.
     #[inline(always)]
-    pub(super) fn record(&self, history: &mut [N], end: N) {
+    pub(super) fn add_to_history(&self, history: &mut [N], end: N) {
         history[history::SLIP] = history[history::SLIP] + self.slip;
         record_time(history, history::SLIP_TIME, self.slip, end);
-        accumulate(history, history::PLASTIC, self.dissipation);
+        accumulate(history, history::PLASTIC_DISSIPATION, self.dissipation);
     }
 }
 
-/// Elastic-plastic layer.
+/// Law of an elastic-plastic layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticLayer<N> {
-    /// Mass of the layer.
+    /// Mass per area of the layer.
     pub mass: LayerMass<N>,
     /// Compliances C_n and C_t > 0, m/Pa.
     pub compliance: [N; 2],
-    /// Yield condition.
+    /// Yield condition of both tractions.
     pub cone: YieldCone<N>,
 }
 
 impl<N: Number> PlasticLayer<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> PlasticLayer<M> {
         PlasticLayer {
@@ -224,7 +230,7 @@ impl<N: Number> PlasticLayer<N> {
 }
 
 impl<N: Number> FaceLaw<N, 2> for PlasticLayer<N> {
-    const HISTORY_VARIABLES: usize = history::RELEASED;
+    const HISTORY_VARIABLE_COUNT: usize = history::RELEASED_ENERGY;
 
     fn initialise(&self, velocities: &[[N; 2]; 2], history: &mut [N]) {
         history::initialise(velocities, history);
@@ -238,26 +244,31 @@ impl<N: Number> FaceLaw<N, 2> for PlasticLayer<N> {
         history: &mut [N],
     ) -> [[FaceState<N>; 2]; 2] {
         let step = interval.step;
-        let starts = [history::NORMAL_INERTIA, history::SHEAR_INERTIA];
+        let motion_starts = [history::NORMAL_MOTION, history::SHEAR_MOTION];
         let old = [history[history::NORMAL_STATE], history[history::SHEAR_STRESS]];
-        let lines = [
-            OpeningLine::new(incoming[0], self.mass, inertia(history, starts[0]), step),
-            OpeningLine::new(incoming[1], self.mass, inertia(history, starts[1]), step),
+        let start_motions =
+            [read_motion(history, motion_starts[0]), read_motion(history, motion_starts[1])];
+        let opening_lines = [
+            OpeningLine::new(incoming[0], self.mass, start_motions[0], step),
+            OpeningLine::new(incoming[1], self.mass, start_motions[1], step),
         ];
         let trials = [
-            ElasticTrial::new(&lines[0], self.compliance[0], old[0], step),
-            ElasticTrial::new(&lines[1], self.compliance[1], old[1], step),
+            ElasticTrial::new(&opening_lines[0], self.compliance[0], old[0], step),
+            ElasticTrial::new(&opening_lines[1], self.compliance[1], old[1], step),
         ];
         let slip = history[history::SLIP];
         let result = PlasticStep::new(&self.cone, trials, self.compliance, old, slip, step);
-        result.record(history, interval.end);
-        history[history::NORMAL_STATE] = result.stress[0];
-        history[history::SHEAR_STRESS] = result.stress[1];
-        let moved = [lines[0].finish(result.middle[0]), lines[1].finish(result.middle[1])];
+        result.add_to_history(history, interval.end);
+        history[history::NORMAL_STATE] = result.end_stress[0];
+        history[history::SHEAR_STRESS] = result.end_stress[1];
+        let layer_steps = [
+            opening_lines[0].complete_step(result.midpoint_stress[0]),
+            opening_lines[1].complete_step(result.midpoint_stress[1]),
+        ];
         for i in 0..2 {
-            set_inertia(history, starts[i], moved[i].inertia);
+            write_motion(history, motion_starts[i], layer_steps[i].motion);
         }
-        [moved[0].states, moved[1].states]
+        [layer_steps[0].states, layer_steps[1].states]
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {
@@ -265,10 +276,10 @@ impl<N: Number> FaceLaw<N, 2> for PlasticLayer<N> {
         let [normal, shear] =
             std::array::from_fn(|i| N::HALF * self.compliance[i] * stress[i] * stress[i]);
         FaceEnergy {
-            kinetic: self.mass.kinetic_energy(inertia(history, history::NORMAL_INERTIA))
-                + self.mass.kinetic_energy(inertia(history, history::SHEAR_INERTIA)),
+            kinetic: self.mass.kinetic_energy(read_motion(history, history::NORMAL_MOTION))
+                + self.mass.kinetic_energy(read_motion(history, history::SHEAR_MOTION)),
             stored: normal + shear,
-            plastic: sum_value(history, history::PLASTIC),
+            plastic_dissipation: sum_value(history, history::PLASTIC_DISSIPATION),
             ..FaceEnergy::ZERO
         }
     }

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! where S_ext is the constant traction of a fluid, if any. A step uses the discrete gradient
-//! S_mid = ΔW/Δε + S_ext (Gonzalez 1996), so that energy is conserved to rounding when pores collapse or open in a step.
-//! With P = δ/Δt + ½gb₀, Q = g(b₀ε + S_ext) − d₀ and κ = gb₁ the change Δ of ε obeys PΔ + Q + κG = 0, where
+//! S_mid = ΔW/Δε + S_ext (Gonzalez 1996), so that energy is conserved to rounding when pores collapse or open in a
+//! step. With P = δ/Δt + ½gb₀, Q = g(b₀ε + S_ext) − d₀ and κ = gb₁ the change Δ of ε obeys PΔ + Q + κG = 0, where
 //!
 //! ```text
 //! open:     G = 0,               Δ = −Q/P
@@ -19,7 +19,7 @@
 //! ```
 
 use super::elastic::ElasticComponent;
-use super::history::{self, inertia, set_inertia, sum_value};
+use super::history::{self, read_motion, sum_value, write_motion};
 use super::opening_line::{LayerMass, OpeningLine};
 use super::plastic::{ElasticTrial, PlasticStep, YieldCone};
 use super::viscous::ViscousComponent;
@@ -42,14 +42,14 @@ pub struct PorousElasticity<N> {
 /// Change of the strain across a porous layer in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PorousStep<N> {
-    /// Change Δ of the strain.
-    pub change: N,
-    /// Traction S_mid, Pa: discrete gradient.
-    pub middle: N,
+    /// Change Δ of the strain ε in the step.
+    pub strain_change: N,
+    /// Traction S_mid at the midpoint of the step, Pa: discrete gradient.
+    pub midpoint_stress: N,
 }
 
 impl<N: Number> PorousElasticity<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> PorousElasticity<M> {
         PorousElasticity {
@@ -60,51 +60,60 @@ impl<N: Number> PorousElasticity<N> {
         }
     }
 
-    /// Solves a step of duration `step`, s, on the opening line of the face, from the strain ε at its beginning and with
-    /// the traction S_ext, Pa.
+    /// Solves a step of duration `step`, s, on the opening line of the face, from the strain ε at its beginning and
+    /// with the traction S_ext, Pa.
     #[inline(always)]
-    pub fn solve(&self, line: &OpeningLine<N>, strain: N, external: N, step: N) -> PorousStep<N> {
+    pub fn solve(
+        &self,
+        line: &OpeningLine<N>,
+        strain: N,
+        external_stress: N,
+        step: N,
+    ) -> PorousStep<N> {
         let zero = N::ZERO;
         let g = line.admittance;
         let half_stiffness = N::HALF * self.open_stiffness;
         let p = self.thickness / step + g * half_stiffness;
-        let q = g * (self.open_stiffness * strain + external) - line.free_rate;
+        let q = g * (self.open_stiffness * strain + external_stress) - line.free_opening_rate;
         let kappa = g * self.collapse_stiffness;
         let x = self.porosity + strain;
-        let kx = kappa * x;
-        let kxx = kx * x;
-        let shifted = q + kx;
-        // Sum of both sides of a switch: 2P + κ.
-        let double = p + p + kappa;
-        let inverse_double = N::ONE / double;
+        let kappa_x = kappa * x;
+        let kappa_x_squared = kappa_x * x;
+        let q_plus_kappa_x = q + kappa_x;
+        // Coefficient of the quadratic equation of a step in which the pores close: 2P + κ.
+        let two_p_plus_kappa = p + p + kappa;
+        let inverse_coefficient = N::ONE / two_p_plus_kappa;
 
-        let stays_open = -q * (N::ONE / p);
-        let root = (shifted * shifted - double * kxx).max(zero).sqrt();
-        let closes = -(shifted + root) * inverse_double;
-        let stays_closed = -(shifted + shifted) * inverse_double;
-        let h = (q * q + (p + p) * kxx).max(zero).sqrt();
+        let change_if_open = -q * (N::ONE / p);
+        let root =
+            (q_plus_kappa_x * q_plus_kappa_x - two_p_plus_kappa * kappa_x_squared).max(zero).sqrt();
+        let change_if_closing = -(q_plus_kappa_x + root) * inverse_coefficient;
+        let change_if_closed = -(q_plus_kappa_x + q_plus_kappa_x) * inverse_coefficient;
+        let h = (q * q + (p + p) * kappa_x_squared).max(zero).sqrt();
         let sum = q.select_gt(zero, q + h, N::ONE);
-        let opens = q.select_gt(zero, kxx / sum, (h - q) * (N::ONE / (p + p)));
+        let change_if_opening =
+            q.select_gt(zero, kappa_x_squared / sum, (h - q) * (N::ONE / (p + p)));
 
-        // Open at the beginning: x > 0, or x = 0 and Q ≤ 0. Then x decides, else −1.
-        let at_zero = q.select_gt(zero, -N::ONE, N::ONE);
-        let begins = x.select_gt(zero, N::ONE, zero.select_gt(x, -N::ONE, at_zero));
-        let open_change = zero.select_gt(x + stays_open, closes, stays_open);
-        let closed_change = (x + stays_closed).select_gt(zero, opens, stays_closed);
-        let change = begins.select_gt(zero, open_change, closed_change);
+        // Positive if the pores are open at the beginning: x > 0, or x = 0 and Q ≤ 0.
+        let sign_at_zero = q.select_gt(zero, -N::ONE, N::ONE);
+        let start_sign = x.select_gt(zero, N::ONE, zero.select_gt(x, -N::ONE, sign_at_zero));
+        let open_change = zero.select_gt(x + change_if_open, change_if_closing, change_if_open);
+        let closed_change =
+            (x + change_if_closed).select_gt(zero, change_if_opening, change_if_closed);
+        let strain_change = start_sign.select_gt(zero, open_change, closed_change);
 
-        let end = x + change;
-        let twice = change + change;
-        let divisor = N::ONE / safe_divisor(twice);
-        let from_open = zero.select_gt(x + stays_open, end * end * divisor, zero);
-        let from_closed =
-            (x + stays_closed).select_gt(zero, -(x * x * divisor), x + N::HALF * change);
-        let gradient = begins.select_gt(zero, from_open, from_closed);
-        let middle = self.open_stiffness * strain
-            + half_stiffness * change
+        let end = x + strain_change;
+        let twice_change = strain_change + strain_change;
+        let divisor = N::ONE / safe_divisor(twice_change);
+        let gradient_from_open = zero.select_gt(x + change_if_open, end * end * divisor, zero);
+        let gradient_from_closed =
+            (x + change_if_closed).select_gt(zero, -(x * x * divisor), x + N::HALF * strain_change);
+        let gradient = start_sign.select_gt(zero, gradient_from_open, gradient_from_closed);
+        let midpoint_stress = self.open_stiffness * strain
+            + half_stiffness * strain_change
             + self.collapse_stiffness * gradient
-            + external;
-        PorousStep { change, middle }
+            + external_stress;
+        PorousStep { strain_change, midpoint_stress }
     }
 
     /// Traction ∂W/∂ε = b₀ε + b₁ min(x, 0), Pa, without that of a fluid.
@@ -131,62 +140,62 @@ impl<N: Number> PorousElasticity<N> {
     }
 }
 
-/// `x`, or 1 if `x` = 0.
+/// Returns `x`, or 1 if `x` = 0, so that a quotient that is not used stays finite.
 #[inline(always)]
 fn safe_divisor<N: Number>(x: N) -> N {
     x.select_gt(N::ZERO, x, N::ZERO.select_gt(x, x, N::ONE))
 }
 
-/// Porous law of the normal component.
+/// Law of the normal component of a porous layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PorousComponent<N> {
-    /// Mass of the layer.
+    /// Mass per area of the layer.
     pub mass: LayerMass<N>,
-    /// Elasticity.
+    /// Elastic constants across the layer.
     pub elasticity: PorousElasticity<N>,
 }
 
 impl<N: Number> PorousComponent<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> PorousComponent<M> {
         PorousComponent { mass: self.mass.map(&f), elasticity: self.elasticity.map(&f) }
     }
 
-    /// Advances the normal variables of the history by `step`, s, with the traction S_ext of a fluid; returns the
-    /// traction S_mid, Pa, and the states on both sides.
+    /// Advances the normal history variables by `step`, s, with the traction S_ext of a fluid, Pa; returns the traction
+    /// S_mid, Pa, and the states on both sides.
     #[inline(always)]
     pub fn advance(
         &self,
         incoming: RiemannData<N>,
-        external: N,
+        external_stress: N,
         step: N,
         history: &mut [N],
     ) -> (N, [FaceState<N>; 2]) {
-        let old = inertia(history, history::NORMAL_INERTIA);
+        let old = read_motion(history, history::NORMAL_MOTION);
         let line = OpeningLine::new(incoming, self.mass, old, step);
         let strain = history[history::NORMAL_STATE];
-        let solution = self.elasticity.solve(&line, strain, external, step);
-        let moved = line.finish(solution.middle);
-        set_inertia(history, history::NORMAL_INERTIA, moved.inertia);
-        history[history::NORMAL_STATE] = strain + solution.change;
-        (solution.middle, moved.states)
+        let solution = self.elasticity.solve(&line, strain, external_stress, step);
+        let layer_step = line.complete_step(solution.midpoint_stress);
+        write_motion(history, history::NORMAL_MOTION, layer_step.motion);
+        history[history::NORMAL_STATE] = strain + solution.strain_change;
+        (solution.midpoint_stress, layer_step.states)
     }
 }
 
-/// Tangential law of a porous layer.
+/// Law of the tangential component of a porous layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TangentialComponent<N> {
-    /// Elastic.
+    /// Elastic shear.
     Elastic(ElasticComponent<N>),
-    /// Viscous.
+    /// Viscous shear.
     Viscous(ViscousComponent<N>),
-    /// Elastic-plastic without friction.
+    /// Elastic-plastic shear without friction.
     Plastic(ElasticComponent<N>, YieldCone<N>),
 }
 
 impl<N: Number> TangentialComponent<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> TangentialComponent<M> {
         match self {
@@ -198,7 +207,7 @@ impl<N: Number> TangentialComponent<N> {
         }
     }
 
-    /// Advances the shear variables of the history and returns the states on both sides.
+    /// Advances the tangential history variables by a step and returns the states on both sides.
     #[inline(always)]
     fn advance(
         &self,
@@ -208,7 +217,7 @@ impl<N: Number> TangentialComponent<N> {
     ) -> [FaceState<N>; 2] {
         match self {
             Self::Elastic(elastic) => {
-                let start = history::SHEAR_INERTIA;
+                let start = history::SHEAR_MOTION;
                 let mut shear = [history[start], history[start + 1], history[start + 2]];
                 let states = elastic.advance(incoming, interval.step, &mut shear);
                 history[start..start + shear.len()].copy_from_slice(&shear);
@@ -222,7 +231,7 @@ impl<N: Number> TangentialComponent<N> {
     }
 }
 
-/// Plastic step of the tangential component alone, k_s = 0.
+/// Advances an elastic-plastic tangential component without friction, k_s = 0, and returns the states on both sides.
 #[inline(always)]
 fn advance_cohesive<N: Number>(
     elastic: &ElasticComponent<N>,
@@ -233,10 +242,10 @@ fn advance_cohesive<N: Number>(
 ) -> [FaceState<N>; 2] {
     let step = interval.step;
     let stress = history[history::SHEAR_STRESS];
-    let old = inertia(history, history::SHEAR_INERTIA);
+    let old = read_motion(history, history::SHEAR_MOTION);
     let line = OpeningLine::new(incoming, elastic.mass, old, step);
     let trial = ElasticTrial::new(&line, elastic.compliance, stress, step);
-    let normal = ElasticTrial { stiffness: N::ONE, stress: N::ZERO };
+    let normal = ElasticTrial { admittance: N::ONE, stress: N::ZERO };
     let result = PlasticStep::new(
         cone,
         [normal, trial],
@@ -245,24 +254,24 @@ fn advance_cohesive<N: Number>(
         history[history::SLIP],
         step,
     );
-    result.record(history, interval.end);
-    let moved = line.finish(result.middle[1]);
-    set_inertia(history, history::SHEAR_INERTIA, moved.inertia);
-    history[history::SHEAR_STRESS] = result.stress[1];
-    moved.states
+    result.add_to_history(history, interval.end);
+    let layer_step = line.complete_step(result.midpoint_stress[1]);
+    write_motion(history, history::SHEAR_MOTION, layer_step.motion);
+    history[history::SHEAR_STRESS] = result.end_stress[1];
+    layer_step.states
 }
 
-/// Porous layer.
+/// Law of a porous layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PorousLayer<N> {
-    /// Normal component.
+    /// Law of the normal component.
     pub normal: PorousComponent<N>,
-    /// Tangential component.
+    /// Law of the tangential component.
     pub shear: TangentialComponent<N>,
 }
 
 impl<N: Number> PorousLayer<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> PorousLayer<M> {
         PorousLayer { normal: self.normal.map(&f), shear: self.shear.map(&f) }
@@ -270,7 +279,7 @@ impl<N: Number> PorousLayer<N> {
 }
 
 impl<N: Number> FaceLaw<N, 2> for PorousLayer<N> {
-    const HISTORY_VARIABLES: usize = history::RELEASED;
+    const HISTORY_VARIABLE_COUNT: usize = history::RELEASED_ENERGY;
 
     fn initialise(&self, velocities: &[[N; 2]; 2], history: &mut [N]) {
         history::initialise(velocities, history);
@@ -288,22 +297,22 @@ impl<N: Number> FaceLaw<N, 2> for PorousLayer<N> {
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {
-        let normal = inertia(history, history::NORMAL_INERTIA);
+        let normal = read_motion(history, history::NORMAL_MOTION);
         let mass = self.normal.mass;
         let mut energy = FaceEnergy {
             kinetic: mass.kinetic_energy(normal)
-                + mass.kinetic_energy(inertia(history, history::SHEAR_INERTIA)),
+                + mass.kinetic_energy(read_motion(history, history::SHEAR_MOTION)),
             ..FaceEnergy::ZERO
         };
         let stress = history[history::SHEAR_STRESS];
         let shear = match &self.shear {
             TangentialComponent::Elastic(elastic) => elastic.stored_energy(stress),
             TangentialComponent::Plastic(elastic, _) => {
-                energy.plastic = sum_value(history, history::PLASTIC);
+                energy.plastic_dissipation = sum_value(history, history::PLASTIC_DISSIPATION);
                 elastic.stored_energy(stress)
             }
             TangentialComponent::Viscous(viscous) => {
-                energy.viscous = sum_value(history, history::VISCOUS);
+                energy.viscous_dissipation = sum_value(history, history::VISCOUS_DISSIPATION);
                 viscous.stored_energy(history)
             }
         };

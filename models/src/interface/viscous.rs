@@ -15,16 +15,16 @@
 //!
 //! Stored energy ½C₀S² + ½C₁s², dissipated Δtφ(S_mid − s_mid)² ≥ 0.
 
-use super::elastic::{COMPONENT_VARIABLES, ElasticComponent};
-use super::history::{self, accumulate, inertia, set_inertia, sum_value};
+use super::elastic::{COMPONENT_VARIABLE_COUNT, ElasticComponent};
+use super::history::{self, accumulate, read_motion, sum_value, write_motion};
 use super::opening_line::{LayerMass, OpeningLine};
 use super::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
 use crate::common::number::Number;
 
-/// Viscous law of the tangential component.
+/// Law of the tangential component of a viscous layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViscousComponent<N> {
-    /// Mass of the layer.
+    /// Mass per area of the layer.
     pub mass: LayerMass<N>,
     /// Instantaneous compliance C₀ = δa₀ ≥ 0, m/Pa.
     pub compliance: N,
@@ -35,7 +35,7 @@ pub struct ViscousComponent<N> {
 }
 
 impl<N: Number> ViscousComponent<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> ViscousComponent<M> {
         ViscousComponent {
@@ -46,7 +46,7 @@ impl<N: Number> ViscousComponent<N> {
         }
     }
 
-    /// Advances the shear variables of the history by `step`, s, and returns the states on both sides.
+    /// Advances the tangential history variables by `step`, s, and returns the states on both sides.
     #[inline(always)]
     pub fn advance(
         &self,
@@ -54,24 +54,28 @@ impl<N: Number> ViscousComponent<N> {
         step: N,
         history: &mut [N],
     ) -> [FaceState<N>; 2] {
-        let old = inertia(history, history::SHEAR_INERTIA);
+        let old = read_motion(history, history::SHEAR_MOTION);
         let (stress, delayed) = (history[history::SHEAR_STRESS], history[history::DELAYED_STRESS]);
         let line = OpeningLine::new(incoming, self.mass, old, step);
         let rate = (self.compliance + self.compliance) / step;
         let ratio = N::HALF * self.fluidity * step / self.delayed_compliance;
         let share = N::ONE / (N::ONE + ratio);
         let delayed_rate = self.fluidity * share;
-        let middle = (rate * stress + delayed_rate * delayed + line.free_rate)
+        let middle = (rate * stress + delayed_rate * delayed + line.free_opening_rate)
             * (N::ONE / (rate + delayed_rate + line.admittance));
         // Overstress S_mid − s_mid of the dashpot.
         let overstress = (middle - delayed) * share;
         let delayed_change = ratio * overstress;
-        accumulate(history, history::VISCOUS, step * self.fluidity * overstress * overstress);
-        let moved = line.finish(middle);
-        set_inertia(history, history::SHEAR_INERTIA, moved.inertia);
+        accumulate(
+            history,
+            history::VISCOUS_DISSIPATION,
+            step * self.fluidity * overstress * overstress,
+        );
+        let layer_step = line.complete_step(middle);
+        write_motion(history, history::SHEAR_MOTION, layer_step.motion);
         history[history::SHEAR_STRESS] = middle + middle - stress;
         history[history::DELAYED_STRESS] = delayed + (delayed_change + delayed_change);
-        moved.states
+        layer_step.states
     }
 
     /// Stored energy ½C₀S² + ½C₁s², J/m².
@@ -82,17 +86,17 @@ impl<N: Number> ViscousComponent<N> {
     }
 }
 
-/// Layer with an elastic normal and a viscous tangential component.
+/// Law of a layer with an elastic normal and a viscous tangential component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViscousLayer<N> {
-    /// Normal component.
+    /// Law of the normal component.
     pub normal: ElasticComponent<N>,
-    /// Tangential component.
+    /// Law of the tangential component.
     pub shear: ViscousComponent<N>,
 }
 
 impl<N: Number> ViscousLayer<N> {
-    /// Converts the constants by `f`.
+    /// Converts every constant by the function `f`.
     #[inline(always)]
     pub fn map<M>(self, f: impl Fn(N) -> M) -> ViscousLayer<M> {
         ViscousLayer { normal: self.normal.map(&f), shear: self.shear.map(&f) }
@@ -100,7 +104,7 @@ impl<N: Number> ViscousLayer<N> {
 }
 
 impl<N: Number> FaceLaw<N, 2> for ViscousLayer<N> {
-    const HISTORY_VARIABLES: usize = history::FLUID_VELOCITY;
+    const HISTORY_VARIABLE_COUNT: usize = history::FLUID_VELOCITY;
 
     fn initialise(&self, velocities: &[[N; 2]; 2], history: &mut [N]) {
         history::initialise(velocities, history);
@@ -115,19 +119,21 @@ impl<N: Number> FaceLaw<N, 2> for ViscousLayer<N> {
     ) -> [[FaceState<N>; 2]; 2] {
         let mut normal = [history[0], history[1], history[2]];
         let states = self.normal.advance(incoming[0], interval.step, &mut normal);
-        history[..COMPONENT_VARIABLES].copy_from_slice(&normal);
+        history[..COMPONENT_VARIABLE_COUNT].copy_from_slice(&normal);
         [states, self.shear.advance(incoming[1], interval.step, history)]
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {
-        let [normal, shear] =
-            [inertia(history, history::NORMAL_INERTIA), inertia(history, history::SHEAR_INERTIA)];
+        let [normal, shear] = [
+            read_motion(history, history::NORMAL_MOTION),
+            read_motion(history, history::SHEAR_MOTION),
+        ];
         FaceEnergy {
             kinetic: self.normal.mass.kinetic_energy(normal)
                 + self.shear.mass.kinetic_energy(shear),
             stored: self.normal.stored_energy(history[history::NORMAL_STATE])
                 + self.shear.stored_energy(history),
-            viscous: sum_value(history, history::VISCOUS),
+            viscous_dissipation: sum_value(history, history::VISCOUS_DISSIPATION),
             ..FaceEnergy::ZERO
         }
     }

@@ -174,7 +174,7 @@ impl StandardLinearSolid {
         };
         let step = self.compute_relaxation(duration);
         let RelaxationIncrements { stress, viscous_strain: strain, dissipated_energy: dissipated } =
-            step.increments(symmetric(force), symmetric(viscous_strain));
+            step.compute_increments(symmetric(force), symmetric(viscous_strain));
         for i in 0..3 {
             force[i][i] += stress.normal[i];
             viscous_strain[i][i] += strain.normal[i];
@@ -197,16 +197,16 @@ fn check_constants(branch_modulus: f64, relaxation_time: f64) -> Result<(), Inpu
 
 /// A symmetric tensor by its normal and shear components; one shear component in plane strain, three in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SymmetricTensor<N, const SHEARS: usize> {
+pub struct SymmetricTensor<N, const SHEAR_COUNT: usize> {
     /// Components 11, 22, 33.
     pub normal: [N; 3],
     /// Shear components: 12 in plane strain; 12, 13, 23 in space.
-    pub shear: [N; SHEARS],
+    pub shear: [N; SHEAR_COUNT],
 }
 
-impl<N: Number, const SHEARS: usize> SymmetricTensor<N, SHEARS> {
+impl<N: Number, const SHEAR_COUNT: usize> SymmetricTensor<N, SHEAR_COUNT> {
     /// The zero tensor.
-    pub const ZERO: Self = Self { normal: [N::ZERO; 3], shear: [N::ZERO; SHEARS] };
+    pub const ZERO: Self = Self { normal: [N::ZERO; 3], shear: [N::ZERO; SHEAR_COUNT] };
 
     /// Deviator, from differences of normal components, which avoids cancellation if the mean is much larger.
     #[inline(always)]
@@ -239,11 +239,11 @@ pub struct Relaxation<N> {
 
 /// Increments of a state by relaxation, and the dissipated energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RelaxationIncrements<N, const SHEARS: usize> {
+pub struct RelaxationIncrements<N, const SHEAR_COUNT: usize> {
     /// Stress increment, Pa.
-    pub stress: SymmetricTensor<N, SHEARS>,
+    pub stress: SymmetricTensor<N, SHEAR_COUNT>,
     /// Increment of the viscous strain.
-    pub viscous_strain: SymmetricTensor<N, SHEARS>,
+    pub viscous_strain: SymmetricTensor<N, SHEAR_COUNT>,
     /// Dissipated energy, J/m³.
     pub dissipated_energy: N,
 }
@@ -262,11 +262,11 @@ impl Relaxation<f64> {
 impl<N: Number> Relaxation<N> {
     /// Computes the increments of the symmetric stress and of the viscous strain; they depend on the deviators only.
     #[inline(always)]
-    pub fn increments<const SHEARS: usize>(
+    pub fn compute_increments<const SHEAR_COUNT: usize>(
         &self,
-        stress: SymmetricTensor<N, SHEARS>,
-        viscous_strain: SymmetricTensor<N, SHEARS>,
-    ) -> RelaxationIncrements<N, SHEARS> {
+        stress: SymmetricTensor<N, SHEAR_COUNT>,
+        viscous_strain: SymmetricTensor<N, SHEAR_COUNT>,
+    ) -> RelaxationIncrements<N, SHEAR_COUNT> {
         let (stress, strain) = (stress.deviator(), viscous_strain.deviator());
         let mut increments = RelaxationIncrements {
             stress: SymmetricTensor::ZERO,
@@ -279,7 +279,7 @@ impl<N: Number> Relaxation<N> {
             increments.stress.normal[i] = -(self.stress_per_strain * change);
             increments.dissipated_energy = increments.dissipated_energy + dissipated;
         }
-        for i in 0..SHEARS {
+        for i in 0..SHEAR_COUNT {
             let (change, dissipated) = self.relax_component(stress.shear[i], strain.shear[i]);
             increments.viscous_strain.shear[i] = change;
             increments.stress.shear[i] = -(self.stress_per_strain * change);

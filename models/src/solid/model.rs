@@ -8,9 +8,9 @@ use crate::solid::parameters::Theory;
 
 /// An elastic solid as the [registry](crate::registry) lists it.
 pub struct SolidModel {
-    /// Name in case files, as in `reduced-cosserat`.
+    /// Name of the solid in case files, e.g. `reduced-cosserat`.
     pub name: &'static str,
-    /// Name in titles and legends.
+    /// Name of the solid in titles and legends.
     pub title: &'static str,
     /// Constants of the solid. Constants of the same name in different solids and flow models must have the same unit.
     pub parameters: &'static [Parameter],
@@ -37,16 +37,16 @@ impl SolidKind {
     ///
     /// # Errors
     /// A constant is out of range.
-    pub fn example(self) -> Result<ElasticLaw, InputError> {
+    pub fn build_example_law(self) -> Result<ElasticLaw, InputError> {
         let constants: Vec<f64> = self.0.parameters.iter().map(Parameter::example_value).collect();
-        self.law(&constants)
+        self.build_law(&constants)
     }
 
     /// Builds the elastic law with the given constants, in the order of the kind's parameters, in SI units.
     ///
     /// # Errors
     /// The number of constants is wrong, or a constant is out of range.
-    pub fn law(self, constants: &[f64]) -> Result<ElasticLaw, InputError> {
+    pub fn build_law(self, constants: &[f64]) -> Result<ElasticLaw, InputError> {
         (self.0.constructor)(constants)
     }
 }

@@ -115,9 +115,9 @@ impl_shared_law!(YieldSet, YieldConditions);
 
 /// A yield set as the [registry](crate::registry) lists it.
 pub struct YieldSetModel {
-    /// Name in case files, as in `von-mises`.
+    /// Name of the yield set in case files, e.g. `von-mises`.
     pub name: &'static str,
-    /// Name in titles.
+    /// Name of the yield set in titles.
     pub title: &'static str,
     /// Constants, with the solids that need them. Constants of the same name in different sets must have the same unit.
     pub parameters: &'static [(Parameter, SolidClass)],
@@ -174,9 +174,9 @@ impl YieldSetKind {
         self.0.parameters.iter().filter(is_needed).map(|entry| &entry.0)
     }
 
-    /// Whether the set can be combined with `solid`, decided by its example law ([`SolidKind::example`]).
+    /// Whether the set can be combined with `solid`, decided by its example law ([`SolidKind::build_example_law`]).
     pub fn is_compatible(self, solid: SolidKind) -> bool {
-        solid.example().is_ok_and(|law| (self.0.is_compatible_law)(&law))
+        solid.build_example_law().is_ok_and(|law| (self.0.is_compatible_law)(&law))
     }
 
     /// Checks that the set can be combined with the elastic law `law` of kind `solid`.

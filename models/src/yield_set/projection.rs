@@ -162,9 +162,9 @@ fn map_beyond_apex(
     // If the stress maps to the apex, the solution is y = 0: the first Newton step is zero and ends the loop.
     loop {
         let (value, slope) = reciprocal(y);
-        let before = y;
+        let previous_y = y;
         y += ((a - y + shear_capacity * value) / (1.0 - shear_capacity * slope)).max(0.0);
-        if y == before {
+        if y == previous_y {
             break;
         }
     }
@@ -302,30 +302,30 @@ struct ActiveSet {
 
 impl ActiveSet {
     /// Splits a vector into its coordinates in the first `count` columns of Q, which span scaled normals of the active
-    /// half-spaces, and the orthogonal rest, by Gram–Schmidt with reorthogonalisation.
+    /// half-spaces, and the orthogonal remainder, by Gram–Schmidt with reorthogonalisation.
     fn orthogonalise(&self, vector: &PlaneVector, count: usize) -> ([f64; 6], PlaneVector) {
-        let (mut coordinates, mut rest) = ([0.0; 6], *vector);
+        let (mut coordinates, mut remainder) = ([0.0; 6], *vector);
         for _ in 0..2 {
             for (coordinate, direction) in coordinates.iter_mut().zip(&self.q_columns).take(count) {
-                let along = dot(direction, &rest);
+                let along = dot(direction, &remainder);
                 *coordinate += along;
-                for (x, y) in rest.iter_mut().zip(direction) {
+                for (x, y) in remainder.iter_mut().zip(direction) {
                     *x -= along * y;
                 }
             }
         }
-        (coordinates, rest)
+        (coordinates, remainder)
     }
 
     /// Recomputes the factors Q and R of the scaled normals of the active half-spaces.
     fn factorise(&mut self, half_spaces: &[ScaledHalfSpace]) {
         for column in 0..self.count {
-            let (coordinates, rest) =
+            let (coordinates, remainder) =
                 self.orthogonalise(&half_spaces[self.indices[column]].scaled_normal, column);
-            let length = dot(&rest, &rest).sqrt();
+            let length = dot(&remainder, &remainder).sqrt();
             self.r_columns[column] = coordinates;
             self.r_columns[column][column] = length;
-            self.q_columns[column] = rest.map(|x| x / length);
+            self.q_columns[column] = remainder.map(|x| x / length);
         }
     }
 
@@ -374,9 +374,10 @@ impl InterlayerYieldSet {
     /// the energy over all stresses including σ₃₃ gives the same result.
     pub fn project(&self, metric: &PlaneMetric, trial: &[f64; 6]) -> Projection<[f64; 6]> {
         let components = plane_layout(Theory::Cosserat).stresses;
-        let mut storage = [ScaledHalfSpace::default(); 8];
-        let mut total = 0;
-        for (place, (condition, strength)) in storage.iter_mut().zip(self.half_spaces()) {
+        let mut half_space_storage = [ScaledHalfSpace::default(); 8];
+        let mut half_space_count = 0;
+        for (place, (condition, strength)) in half_space_storage.iter_mut().zip(self.half_spaces())
+        {
             let normal = std::array::from_fn(|i| components[i].value_in(&condition.normal));
             let scaled_normal = metric.apply_transposed(&normal);
             *place = ScaledHalfSpace {
@@ -385,41 +386,42 @@ impl InterlayerYieldSet {
                 scaled_normal,
                 scaled_norm: dot(&scaled_normal, &scaled_normal).sqrt(),
             };
-            total += 1;
+            half_space_count += 1;
         }
-        let half_spaces = &storage[..total];
+        let half_spaces = &half_space_storage[..half_space_count];
         let mut active = ActiveSet::default();
-        let (mut stress, mut path, mut reach) = (*trial, [0.0; 6], 0.0f64);
+        let (mut stress, mut scaled_path, mut stress_error_scale) = (*trial, [0.0; 6], 0.0f64);
 
         // There are at most 2⁸ active sets and none recurs; fewer than a dozen iterations are observed.
         for _ in 0..256 {
             // Most violated half-space, measured by its distance in the energy norm.
-            let mut worst = (0.0, None);
+            let mut most_violated = (0.0, None);
             for (index, half_space) in half_spaces.iter().enumerate() {
                 let ScaledHalfSpace { normal, strength, scaled_norm, .. } = half_space;
                 let excess = dot(normal, &stress) - strength;
                 if excess
                     > YIELD_ROUNDING * half_space.rounding_scale(&stress)
-                        + CANCELLATION_THRESHOLD * scaled_norm * reach
-                    && excess > worst.0 * scaled_norm
+                        + CANCELLATION_THRESHOLD * scaled_norm * stress_error_scale
+                    && excess > most_violated.0 * scaled_norm
                     && !active.indices[..active.count].contains(&index)
                 {
-                    worst = (excess / scaled_norm, Some((index, excess)));
+                    most_violated = (excess / scaled_norm, Some((index, excess)));
                 }
             }
-            let Some((index, mut excess)) = worst.1 else { break };
+            let Some((index, mut excess)) = most_violated.1 else { break };
             let entering = &half_spaces[index];
             let mut multiplier = 0.0;
             loop {
                 // A unit increase of the entering multiplier changes the other multipliers by −R⁻¹Qᵀ(Lᵀn), and z by
                 // the component of Lᵀn orthogonal to Q.
-                let (coordinates, rest) =
+                let (coordinates, remainder) =
                     active.orthogonalise(&entering.scaled_normal, active.count);
                 let change = active.solve(coordinates);
-                let length = dot(&rest, &rest).sqrt();
-                let independent = active.count < 6 && length > 1e-12 * entering.scaled_norm;
-                let full = if independent { excess / (length * length) } else { f64::INFINITY };
-                let mut blocking = (full, None);
+                let length = dot(&remainder, &remainder).sqrt();
+                let is_independent = active.count < 6 && length > 1e-12 * entering.scaled_norm;
+                let full_step =
+                    if is_independent { excess / (length * length) } else { f64::INFINITY };
+                let mut blocking = (full_step, None);
                 for (position, change) in change.iter().enumerate().take(active.count) {
                     let ratio = active.multipliers[position].max(0.0) / change;
                     if *change > 0.0 && ratio < blocking.0 {
@@ -438,7 +440,7 @@ impl InterlayerYieldSet {
                     *active_multiplier -= step * change;
                 }
                 if let Some(position) = leaving {
-                    if independent {
+                    if is_independent {
                         excess -= step * length * length;
                     }
                     active.remove(position, half_spaces);
@@ -453,7 +455,7 @@ impl InterlayerYieldSet {
 
             // Recompute s, z and λ from the active half-spaces alone. Iterative refinement: each pass removes the
             // excess n·s − k that the rounding errors of the previous pass have left.
-            (stress, path) = (*trial, [0.0; 6]);
+            (stress, scaled_path) = (*trial, [0.0; 6]);
             for _ in 0..3 {
                 let mut excess = [0.0; 6];
                 for (excess, &index) in excess.iter_mut().zip(&active.indices[..active.count]) {
@@ -471,30 +473,31 @@ impl InterlayerYieldSet {
                 }
                 let change = metric.apply(&step);
                 for i in 0..6 {
-                    path[i] += step[i];
+                    scaled_path[i] += step[i];
                     stress[i] -= change[i];
                 }
             }
-            let (coordinates, _) = active.orthogonalise(&path, active.count);
+            let (coordinates, _) = active.orthogonalise(&scaled_path, active.count);
             active.multipliers = active.solve(coordinates);
-            // `reach`: scale of the rounding errors of s per row norm of L. It is |z| for the product L z, and the
-            // magnitude of the terms of an active condition divided by |Lᵀn| for the correction of its excess.
-            reach = dot(&path, &path).sqrt();
+            // `stress_error_scale`: scale of the rounding errors of s per row norm of L. It is |z| for the product L z,
+            // and the magnitude of the terms of an active condition divided by |Lᵀn| for the correction of its excess.
+            stress_error_scale = dot(&scaled_path, &scaled_path).sqrt();
             for &index in &active.indices[..active.count] {
-                reach = reach.max(
+                stress_error_scale = stress_error_scale.max(
                     half_spaces[index].rounding_scale(&stress) / half_spaces[index].scaled_norm,
                 );
             }
             for i in 0..6 {
                 if stress[i].abs()
-                    <= CANCELLATION_THRESHOLD * (trial[i].abs() + metric.row_norm(i) * reach)
+                    <= CANCELLATION_THRESHOLD
+                        * (trial[i].abs() + metric.row_norm(i) * stress_error_scale)
                 {
                     stress[i] = 0.0;
                 }
             }
         }
 
-        let mut energy_lost = 0.5 * dot(&path, &path);
+        let mut energy_lost = 0.5 * dot(&scaled_path, &scaled_path);
         for position in 0..active.count {
             let strength = half_spaces[active.indices[position]].strength;
             energy_lost += strength * active.multipliers[position].max(0.0);

@@ -34,7 +34,7 @@ pub struct NoResponse {
 ///
 /// # Errors
 /// The plastic denominator H + nᵀD m of a condition is not certainly positive; see [`NoResponse`].
-pub fn tangent(
+pub fn tangent_stiffness(
     elastic_stiffness: &RoundedMatrix,
     stresses: &[StressComponent],
     active_conditions: &[ActiveCondition],
@@ -62,31 +62,33 @@ pub fn tangent(
             component_derivatives(&condition.normal),
             component_derivatives(&condition.flow_direction),
         );
-        let sum = |terms: &mut dyn Iterator<Item = Rounded>| {
+        let sum_rounded = |terms: &mut dyn Iterator<Item = Rounded>| {
             terms.fold(Rounded::ZERO, std::ops::Add::add)
         };
         let image = |matrix: &RoundedMatrix, i: usize| {
-            sum(&mut (0..size).map(|j| matrix[(i, j)] * flow[j]))
+            sum_rounded(&mut (0..size).map(|j| matrix[(i, j)] * flow[j]))
         };
         let covector = |matrix: &RoundedMatrix, j: usize| {
-            sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]))
+            sum_rounded(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]))
         };
-        let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
+        let normal_stiffness = sum_rounded(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
         // If n depends linearly on the normals of the previous conditions, these have reduced n·Dm to rounding errors.
-        let initial_stretch = sum(&mut (0..size).map(|i| normal[i] * image(elastic_stiffness, i)));
-        let is_dependent = stretch.value.abs() <= 1e-12 * initial_stretch.value.abs();
+        let initial_normal_stiffness =
+            sum_rounded(&mut (0..size).map(|i| normal[i] * image(elastic_stiffness, i)));
+        let is_dependent =
+            normal_stiffness.value.abs() <= 1e-12 * initial_normal_stiffness.value.abs();
         if index > 0 && condition.hardening == 0.0 && is_dependent {
             continue;
         }
-        let pivot = Rounded::from_rounded(condition.hardening) + stretch;
-        if pivot.value <= pivot.bound {
-            return Err(NoResponse { condition: condition.name, value: pivot.value });
+        let plastic_denominator = Rounded::from_rounded(condition.hardening) + normal_stiffness;
+        if plastic_denominator.value <= plastic_denominator.bound {
+            return Err(NoResponse { condition: condition.name, value: plastic_denominator.value });
         }
         let images: Vec<Rounded> = (0..size).map(|i| image(&tangent, i)).collect();
         let covectors: Vec<Rounded> = (0..size).map(|j| covector(&tangent, j)).collect();
         for i in 0..size {
             for j in 0..size {
-                tangent[(i, j)] = tangent[(i, j)] - images[i] * covectors[j] / pivot;
+                tangent[(i, j)] = tangent[(i, j)] - images[i] * covectors[j] / plastic_denominator;
             }
         }
     }

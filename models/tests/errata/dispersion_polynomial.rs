@@ -88,7 +88,7 @@ fn eq_121_elimination_introduces_a_spurious_factor() {
     });
 }
 
-/// Eq. (131): the root −f/(gρ) of the cubic is not a root of the &system, nor is the "neutral" ς = 0 of the text before
+/// Eq. (131): the root −f/(gρ) of the cubic is not a root of the system, nor is the "neutral" ς = 0 of the text before
 /// the equation: the determinant does not vanish there.
 #[test]
 fn eq_131_printed_roots_are_not_roots() {

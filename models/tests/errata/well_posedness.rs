@@ -127,7 +127,7 @@ fn abstract_claim_holds_only_below_45_degrees_noncoaxiality() {
                 system.parameters.rotational_strength.unwrap(),
             )
             .unwrap();
-            let coefficient = model.leading_coefficient(
+            let coefficient = model.growth_coefficient(
                 system.yield_deviator.to_f64(),
                 system.state.density,
                 system.state.shear_rate,

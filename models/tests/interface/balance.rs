@@ -1,39 +1,52 @@
-//! Energy balance, dissipation and lanes of all kinds under random loads.
+//! Energy balance, dissipation and symmetry of layers of all kinds under random loads, and equality of SIMD lanes with
+//! scalars.
 
 use crate::support::{
-    BOTH_DISTRIBUTIONS, History, Pair, RandomLoad, interval, materials, start, work,
+    History, MASS_DISTRIBUTIONS, RandomLoad, TwoLanes, face_work, initial_history, layer_materials,
+    step_interval,
 };
 use wellposed_models::common::number::Number;
 use wellposed_models::interface::layer::{LayerLaw, MAX_HISTORY_VARIABLES};
 use wellposed_models::interface::{FaceEnergy, FaceLaw, Interval, RiemannData, history, power};
 
-const STEPS: usize = 20_000;
-const STEP: f64 = 0.21;
+/// Number of time steps of a random load.
+const STEP_COUNT: usize = 20_000;
+/// Time step.
+const TIME_STEP: f64 = 0.21;
 
-/// Dissipated energies of a face.
-fn dissipated(energy: &FaceEnergy<f64>) -> [f64; 5] {
-    let FaceEnergy { plastic, viscous, released, fracture, fluid_dissipation, .. } = *energy;
-    [plastic, viscous, released, fracture, fluid_dissipation]
+/// Dissipated energies of a face: plastic, viscous, released, lost at fracture, and by the flow of the fluid.
+fn dissipated_energies(energy: &FaceEnergy<f64>) -> [f64; 5] {
+    let FaceEnergy {
+        plastic_dissipation,
+        viscous_dissipation,
+        released_energy,
+        fracture_energy,
+        fluid_dissipation,
+        ..
+    } = *energy;
+    [plastic_dissipation, viscous_dissipation, released_energy, fracture_energy, fluid_dissipation]
 }
 
 /// Sets the sums of dissipated energy to zero, so that those of a single step are exact.
 fn clear_sums(law: &LayerLaw<f64>, history: &mut History) {
     let sums: &[usize] = match law {
         LayerLaw::Elastic(_) => &[],
-        LayerLaw::Plastic(_) => &[history::PLASTIC],
-        LayerLaw::Viscous(_) => &[history::VISCOUS],
+        LayerLaw::Plastic(_) => &[history::PLASTIC_DISSIPATION],
+        LayerLaw::Viscous(_) => &[history::VISCOUS_DISSIPATION],
         LayerLaw::Porous(law) => match law.shear {
             wellposed_models::interface::porous::TangentialComponent::Elastic(_) => &[],
             wellposed_models::interface::porous::TangentialComponent::Viscous(_) => {
-                &[history::VISCOUS]
+                &[history::VISCOUS_DISSIPATION]
             }
             wellposed_models::interface::porous::TangentialComponent::Plastic(..) => {
-                &[history::PLASTIC]
+                &[history::PLASTIC_DISSIPATION]
             }
         },
-        LayerLaw::Saturated(_) => &[history::VISCOUS, history::FLUID_DISSIPATION],
-        LayerLaw::Cracked(_) => &[history::PLASTIC, history::RELEASED],
-        LayerLaw::Breaking(_) => &[history::PLASTIC, history::RELEASED, history::FRACTURE],
+        LayerLaw::Saturated(_) => &[history::VISCOUS_DISSIPATION, history::FLUID_DISSIPATION],
+        LayerLaw::Cracked(_) => &[history::PLASTIC_DISSIPATION, history::RELEASED_ENERGY],
+        LayerLaw::Breaking(_) => {
+            &[history::PLASTIC_DISSIPATION, history::RELEASED_ENERGY, history::FRACTURE_ENERGY]
+        }
     };
     for &sum in sums {
         history[sum..sum + 2].fill(0.0);
@@ -44,26 +57,27 @@ fn clear_sums(law: &LayerLaw<f64>, history: &mut History) {
 /// dissipated energy is negative.
 #[test]
 fn energy_balance_of_each_step_holds_to_rounding_for_all_kinds() {
-    for distribution in BOTH_DISTRIBUTIONS {
-        for (name, material) in materials() {
-            let law = material.check().expect("valid").law(distribution);
+    for distribution in MASS_DISTRIBUTIONS {
+        for (name, material) in layer_materials() {
+            let law = material.check().expect("valid").to_law(distribution);
             let mut load = RandomLoad::new(7);
-            let mut history = start(&law, [[0.3, -0.2], [0.1, 0.4]]);
+            let mut history = initial_history(&law, [[0.3, -0.2], [0.1, 0.4]]);
             let (mut worst, mut kinks) = (0.0f64, 0);
             let mut least = f64::INFINITY;
-            for number in 0..STEPS {
+            for number in 0..STEP_COUNT {
                 clear_sums(&law, &mut history);
                 let incoming = load.next();
                 let before = law.energy(&history);
-                let old = law.record(&history);
-                let states = law.advance(&incoming, &interval(number, STEP), &mut history);
+                let old = law.to_face_record(&history);
+                let states =
+                    law.advance(&incoming, &step_interval(number, TIME_STEP), &mut history);
                 let after = law.energy(&history);
-                let new = law.record(&history);
+                let new = law.to_face_record(&history);
                 assert!(history.iter().all(|x| x.is_finite()), "{name}: {history:?}");
-                let (work, size) = work(&states, &incoming, STEP);
+                let (work, size) = face_work(&states, &incoming, TIME_STEP);
                 let scale = size + before.total() + after.total();
                 worst = worst.max((after.total() - before.total() - work).abs() / scale);
-                least = dissipated(&after).into_iter().fold(least, f64::min);
+                least = dissipated_energies(&after).into_iter().fold(least, f64::min);
                 let is_open = |record: f64| record > 0.0;
                 kinks += usize::from(
                     is_open(old.opening) != is_open(new.opening)
@@ -80,23 +94,24 @@ fn energy_balance_of_each_step_holds_to_rounding_for_all_kinds() {
     }
 }
 
-/// Sum over 20,000 steps in the number type `N`: error of the ledger relative to the energy that has passed.
+/// Error of the energy balance summed over 20,000 steps in the number type `N`, relative to the sum of the magnitudes
+/// of the work.
 fn ledger_error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f64 {
     let law = law.to_number::<N>();
     let mut load = RandomLoad::new(8);
     let mut history = [N::ZERO; MAX_HISTORY_VARIABLES];
     let (mut work, mut passed) = (0.0, 0.0);
-    for number in 0..STEPS {
+    for number in 0..STEP_COUNT {
         let incoming = load.next().map(|data| RiemannData {
             impedance: data.impedance.map(N::from_f64),
             invariant: data.invariant.map(N::from_f64),
         });
-        let Interval { end, step } = interval(number, STEP);
+        let Interval { end, step } = step_interval(number, TIME_STEP);
         let interval = Interval { end: N::from_f64(end), step: N::from_f64(step) };
         let states = law.advance(&incoming, &interval, &mut history);
         for states in &states {
-            work += STEP * to_f64(power(states));
-            passed += STEP * to_f64(power(states)).abs();
+            work += TIME_STEP * to_f64(power(states));
+            passed += TIME_STEP * to_f64(power(states)).abs();
         }
     }
     (to_f64(law.energy(&history).total()) - work).abs() / passed
@@ -104,8 +119,8 @@ fn ledger_error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f6
 
 #[test]
 fn ledger_of_many_steps_is_accurate_in_double_and_single_precision() {
-    for (name, material) in materials() {
-        let law = material.law(Default::default());
+    for (name, material) in layer_materials() {
+        let law = material.to_law(Default::default());
         let double = ledger_error::<f64>(&law, |x| x);
         let single = ledger_error::<f32>(&law, f64::from);
         println!("{name}: {double:e} in double, {single:e} in single precision");
@@ -114,10 +129,11 @@ fn ledger_of_many_steps_is_accurate_in_double_and_single_precision() {
     }
 }
 
-/// The ledger with the constants of the registry in SI units, between blocks of rock, with velocities of 0.5 m/s.
+/// With the example constants of the registry in SI units, between blocks of rock and with velocities of 0.5 m/s, the
+/// summed energy balance is accurate.
 #[test]
 fn ledger_is_accurate_with_the_constants_of_the_registry() {
-    fn error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f64 {
+    fn relative_error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f64 {
         let law = law.to_number::<N>();
         let mut load = RandomLoad::new(14);
         let mut history = [N::ZERO; MAX_HISTORY_VARIABLES];
@@ -141,9 +157,10 @@ fn ledger_is_accurate_with_the_constants_of_the_registry() {
     for kind in wellposed_models::registry::LAYERS {
         let constants: Vec<f64> = kind.parameters.iter().map(|p| p.example_value()).collect();
         let material = kind.build(&constants).expect("valid");
-        for distribution in BOTH_DISTRIBUTIONS {
-            let law = material.law(distribution);
-            let (double, single) = (error::<f64>(&law, |x| x), error::<f32>(&law, f64::from));
+        for distribution in MASS_DISTRIBUTIONS {
+            let law = material.to_law(distribution);
+            let (double, single) =
+                (relative_error::<f64>(&law, |x| x), relative_error::<f32>(&law, f64::from));
             println!("{kind:?}, {distribution:?}: {double:e}, {single:e} in single precision");
             assert!(double < 1e-13, "{kind:?}: {double:e}");
             assert!(single < 2e-5, "{kind:?}: {single:e}");
@@ -151,32 +168,38 @@ fn ledger_is_accurate_with_the_constants_of_the_registry() {
     }
 }
 
-/// Two lanes with different histories give the bits of two scalar evaluations.
+/// Two lanes with different histories are bitwise equal to two scalar evaluations.
 #[test]
 fn lanes_agree_bitwise_with_scalars() {
-    for distribution in BOTH_DISTRIBUTIONS {
-        for (name, material) in materials() {
-            let law = material.law(distribution);
-            let lanes = law.to_number::<Pair>();
+    for distribution in MASS_DISTRIBUTIONS {
+        for (name, material) in layer_materials() {
+            let law = material.to_law(distribution);
+            let lanes = law.to_number::<TwoLanes>();
             let mut loads = [RandomLoad::new(9), RandomLoad::new(10)];
             let mut scalar = [[0.0; MAX_HISTORY_VARIABLES]; 2];
-            let mut paired = [Pair::ZERO; MAX_HISTORY_VARIABLES];
+            let mut paired = [TwoLanes::ZERO; MAX_HISTORY_VARIABLES];
             for number in 0..2000 {
                 let incoming = [loads[0].next(), loads[1].next()];
-                let time = interval(number, STEP);
+                let time = step_interval(number, TIME_STEP);
                 let states: [_; 2] = std::array::from_fn(|lane| {
                     law.advance(&incoming[lane], &time, &mut scalar[lane])
                 });
                 let joined = std::array::from_fn(|component| RiemannData {
                     impedance: std::array::from_fn(|side| {
-                        Pair(std::array::from_fn(|lane| incoming[lane][component].impedance[side]))
+                        TwoLanes(std::array::from_fn(|lane| {
+                            incoming[lane][component].impedance[side]
+                        }))
                     }),
                     invariant: std::array::from_fn(|side| {
-                        Pair(std::array::from_fn(|lane| incoming[lane][component].invariant[side]))
+                        TwoLanes(std::array::from_fn(|lane| {
+                            incoming[lane][component].invariant[side]
+                        }))
                     }),
                 });
-                let time =
-                    Interval { end: Pair::from_f64(time.end), step: Pair::from_f64(time.step) };
+                let time = Interval {
+                    end: TwoLanes::from_f64(time.end),
+                    step: TwoLanes::from_f64(time.step),
+                };
                 let found = lanes.advance(&joined, &time, &mut paired);
                 for lane in 0..2 {
                     for component in 0..2 {
@@ -199,17 +222,17 @@ fn lanes_agree_bitwise_with_scalars() {
     }
 }
 
-/// A face at rest stays at rest: no division by zero leaks from branches that are not used.
+/// A face at rest stays at rest: a division by zero in a branch that is not used has no effect.
 #[test]
 fn face_at_rest_stays_at_rest() {
-    for distribution in BOTH_DISTRIBUTIONS {
-        for (name, material) in materials() {
-            let law = material.law(distribution);
-            assert!(law.history_variables() <= MAX_HISTORY_VARIABLES);
-            let mut history = start(&law, [[0.0; 2]; 2]);
+    for distribution in MASS_DISTRIBUTIONS {
+        for (name, material) in layer_materials() {
+            let law = material.to_law(distribution);
+            assert!(law.history_variable_count() <= MAX_HISTORY_VARIABLES);
+            let mut history = initial_history(&law, [[0.0; 2]; 2]);
             let incoming = crate::support::IMPEDANCES
                 .map(|impedance| RiemannData { impedance, invariant: [0.0; 2] });
-            let states = law.advance(&incoming, &interval(0, STEP), &mut history);
+            let states = law.advance(&incoming, &step_interval(0, TIME_STEP), &mut history);
             for state in states.as_flattened() {
                 assert_eq!((state.velocity, state.stress), (0.0, 0.0), "{name}");
             }
@@ -218,38 +241,38 @@ fn face_at_rest_stays_at_rest() {
     }
 }
 
-/// A history of exactly [`LayerLaw::history_variables`] suffices.
+/// A law works with a history of exactly [`LayerLaw::history_variable_count`] variables.
 #[test]
 fn law_uses_no_more_history_variables_than_it_states() {
-    for (_, material) in materials() {
-        let law = material.law(Default::default());
-        let mut history = vec![0.0; law.history_variables()];
+    for (_, material) in layer_materials() {
+        let law = material.to_law(Default::default());
+        let mut history = vec![0.0; law.history_variable_count()];
         law.initialise(&[[0.1, 0.2]; 2], &mut history);
-        law.advance(&RandomLoad::new(1).next(), &interval(0, STEP), &mut history);
+        law.advance(&RandomLoad::new(1).next(), &step_interval(0, TIME_STEP), &mut history);
         law.energy(&history);
-        law.record(&history);
+        law.to_face_record(&history);
     }
 }
 
-/// Under a reflection of the axis and under a half turn all results are reflected or turned exactly.
+/// A reflection of the axis or a half turn of the load reflects or turns all results exactly.
 #[test]
 fn reflections_and_half_turns_commute_with_all_kinds() {
-    for distribution in BOTH_DISTRIBUTIONS {
-        for (name, material) in materials() {
-            let law = material.law(distribution);
+    for distribution in MASS_DISTRIBUTIONS {
+        for (name, material) in layer_materials() {
+            let law = material.to_law(distribution);
             // Signs of the tangential velocity after the exchange of both sides; the normal one changes its sign.
             for sign in [1.0, -1.0] {
                 let signs = [-1.0, sign];
                 let mut load = RandomLoad::new(15);
-                let mut history = start(&law, [[0.3, -0.2], [0.1, 0.4]]);
-                let mut image = start(&law, [[0.2, -0.3], [sign * 0.4, sign * 0.1]]);
+                let mut history = initial_history(&law, [[0.3, -0.2], [0.1, 0.4]]);
+                let mut image = initial_history(&law, [[0.2, -0.3], [sign * 0.4, sign * 0.1]]);
                 for number in 0..3000 {
                     let incoming = load.next();
                     let turned = std::array::from_fn(|i| {
                         let RiemannData { impedance: [z, x], invariant: [r, s] } = incoming[i];
                         RiemannData { impedance: [x, z], invariant: [signs[i] * s, signs[i] * r] }
                     });
-                    let time = interval(number, STEP);
+                    let time = step_interval(number, TIME_STEP);
                     let states = law.advance(&incoming, &time, &mut history);
                     let found = law.advance(&turned, &time, &mut image);
                     for i in 0..2 {
@@ -260,7 +283,7 @@ fn reflections_and_half_turns_commute_with_all_kinds() {
                         }
                     }
                     assert_eq!(law.energy(&history), law.energy(&image), "{name}");
-                    let (one, other) = (law.record(&history), law.record(&image));
+                    let (one, other) = (law.to_face_record(&history), law.to_face_record(&image));
                     assert_eq!((one.slip, one.opening), (other.slip, other.opening), "{name}");
                 }
             }

@@ -1,6 +1,6 @@
-//! Flow along saturated layers: junctions, energy of rows of cells, stiffness across, speeds along a layer.
+//! Flow of the fluid along saturated layers: junctions, energy balance, stiffness across and wave speeds along a layer.
 
-use crate::support::{History, SATURATED, interval};
+use crate::support::{History, SATURATED, step_interval};
 use testkit::random::RandomNumbers;
 use wellposed_models::interface::fluid::{
     ArmSide, FluidConstants, FluidState, JunctionArm, solve_closed_end, solve_junction,
@@ -11,19 +11,21 @@ use wellposed_models::interface::parameters::{LayerMaterial, PorousConstants, Sa
 use wellposed_models::interface::saturated::SaturatedLayer;
 use wellposed_models::interface::{FaceLaw, RiemannData, history};
 
+/// Law of a saturated layer with the given constants.
 fn saturated_layer(material: SaturatedMaterial) -> SaturatedLayer<f64> {
-    match LayerMaterial::Saturated(material).law(Default::default()) {
+    match LayerMaterial::Saturated(material).to_law(Default::default()) {
         LayerLaw::Saturated(law) => law,
         other => panic!("{other:?}"),
     }
 }
 
 /// Sides of the arms of a junction: the layers normal to x₂ to the left and right, those normal to x₁ below and above.
-const SIDES: [ArmSide; 4] = [ArmSide::Lower, ArmSide::Upper, ArmSide::Lower, ArmSide::Upper];
+const ARM_SIDES: [ArmSide; 4] = [ArmSide::Lower, ArmSide::Upper, ArmSide::Lower, ArmSide::Upper];
 
-fn check_junction<const A: usize>(random: &mut RandomNumbers, worst: &mut f64) {
+/// Checks a junction of random arms, and updates the largest relative error of the balances of mass and power.
+fn check_junction<const A: usize>(random: &mut RandomNumbers, max_error: &mut f64) {
     let arms: [JunctionArm<f64>; A] = std::array::from_fn(|index| JunctionArm {
-        side: SIDES[index],
+        side: ARM_SIDES[index],
         porosity: if random.bernoulli(0.3) { 0.0 } else { random.uniform(0.01, 0.4) },
         thickness: random.log_uniform(0.1, 10.0),
         impedance: random.log_uniform(0.1, 10.0),
@@ -42,7 +44,7 @@ fn check_junction<const A: usize>(random: &mut RandomNumbers, worst: &mut f64) {
         let sent = arm.state.invariant(arm.side, arm.impedance);
         size += arm.thickness * arm.porosity * (sent / arm.impedance).abs();
         assert!((state.stress + pressure * arm.porosity).abs() < 1e-15);
-        // The invariant that the arm sends is unchanged.
+        // The invariant that arrives at the junction from the arm is unchanged.
         let sent = arm.state.invariant(arm.side, arm.impedance);
         assert!(
             (state.invariant(arm.side, arm.impedance) - sent).abs() < 1e-14 * (1.0 + sent.abs())
@@ -51,7 +53,8 @@ fn check_junction<const A: usize>(random: &mut RandomNumbers, worst: &mut f64) {
             assert_eq!(state.power(), 0.0);
         }
     }
-    *worst = worst.max(mass.abs() / size).max(power.abs() / (size * (pressure.abs() + 1e-300)));
+    *max_error =
+        max_error.max(mass.abs() / size).max(power.abs() / (size * (pressure.abs() + 1e-300)));
     if arms.iter().all(|arm| arm.porosity == 0.0) {
         assert_eq!(pressure, 0.0);
     }
@@ -60,17 +63,17 @@ fn check_junction<const A: usize>(random: &mut RandomNumbers, worst: &mut f64) {
 #[test]
 fn junctions_balance_mass_and_power() {
     let mut random = RandomNumbers::new(11);
-    let mut worst = 0.0;
+    let mut max_error = 0.0;
     for _ in 0..3000 {
-        check_junction::<2>(&mut random, &mut worst);
-        check_junction::<3>(&mut random, &mut worst);
-        check_junction::<4>(&mut random, &mut worst);
+        check_junction::<2>(&mut random, &mut max_error);
+        check_junction::<3>(&mut random, &mut max_error);
+        check_junction::<4>(&mut random, &mut max_error);
     }
-    println!("{worst:e}");
-    assert!(worst < 1e-14);
+    println!("{max_error:e}");
+    assert!(max_error < 1e-14);
 }
 
-/// A junction of two arms of the same layer is the Riemann problem.
+/// The states at a junction of two arms of the same layer are the solution of the Riemann problem.
 #[test]
 fn junction_of_two_equal_arms_is_the_riemann_problem() {
     let mut random = RandomNumbers::new(12);
@@ -79,7 +82,7 @@ fn junction_of_two_equal_arms_is_the_riemann_problem() {
         let cells: [FluidState<f64>; 2] =
             std::array::from_fn(|_| FluidState { velocity: draw(), stress: draw() });
         let arm = |index: usize| JunctionArm {
-            side: SIDES[index],
+            side: ARM_SIDES[index],
             porosity: 0.2,
             thickness: 0.3,
             impedance: 1.7,
@@ -93,9 +96,10 @@ fn junction_of_two_equal_arms_is_the_riemann_problem() {
     }
 }
 
-const CELLS: usize = 16;
+/// Number of cells of each layer.
+const CELL_COUNT: usize = 16;
 
-/// Advances a row with the given states at its ends.
+/// Advances the fluid in a row of cells with the given states at both ends.
 fn advance_row(
     fluid: &FluidConstants<f64>,
     row: &mut [History],
@@ -120,7 +124,7 @@ fn layers_that_meet_at_a_junction_balance_energy() {
     let laws =
         thicknesses.map(|thickness| saturated_layer(SaturatedMaterial { thickness, ..SATURATED }));
     let mut random = RandomNumbers::new(13);
-    let mut rows = [[[0.0; MAX_HISTORY_VARIABLES]; CELLS]; 4];
+    let mut rows = [[[0.0; MAX_HISTORY_VARIABLES]; CELL_COUNT]; 4];
     for (law, row) in laws.iter().zip(&mut rows) {
         for cell in row.iter_mut() {
             let mut draw = || random.uniform(-0.4, 0.4);
@@ -131,19 +135,19 @@ fn layers_that_meet_at_a_junction_balance_energy() {
             cell[history::FLUID_VELOCITY] = draw();
         }
     }
-    let energy = |rows: &[[History; CELLS]; 4]| {
+    let energy = |rows: &[[History; CELL_COUNT]; 4]| {
         let cells = laws.iter().zip(rows).flat_map(|(law, row)| row.iter().map(move |c| (law, c)));
         cells.fold([0.0; 2], |[total, lost], (law, cell)| {
             let energy = law.energy(cell);
             [total + energy.total(), lost + energy.fluid_dissipation]
         })
     };
-    let (mut worst, mut number, mut closed) = (0.0f64, 0, 0);
+    let (mut max_error, mut number, mut closed) = (0.0f64, 0, 0);
     for step in [0.03, 0.1, 0.25] {
         let ratio = step / 0.5;
         assert!(laws[0].fluid.speed * ratio <= 1.0);
         for _ in 0..400 {
-            // Across, with incoming waves.
+            // Stages across the layers, with incoming waves.
             let (before, mut supplied) = (energy(&rows), 0.0);
             for (law, row) in laws.iter().zip(&mut rows) {
                 for cell in row.iter_mut() {
@@ -154,18 +158,18 @@ fn layers_that_meet_at_a_junction_balance_energy() {
                             mean + random.uniform(-1.0, 1.0)
                         }),
                     });
-                    let states = law.advance(&incoming, &interval(number, step), cell);
-                    supplied += crate::support::work(&states, &incoming, step).0;
+                    let states = law.advance(&incoming, &step_interval(number, step), cell);
+                    supplied += crate::support::face_work(&states, &incoming, step).0;
                 }
             }
             let middle = energy(&rows);
-            worst = worst.max((middle[0] - before[0] - supplied).abs() / middle[0]);
-            // Along.
+            max_error = max_error.max((middle[0] - before[0] - supplied).abs() / middle[0]);
+            // Stage along the layers.
             let arms: [JunctionArm<f64>; 4] = std::array::from_fn(|arm| {
-                let nearest = if SIDES[arm] == ArmSide::Lower { CELLS - 1 } else { 0 };
+                let nearest = if ARM_SIDES[arm] == ArmSide::Lower { CELL_COUNT - 1 } else { 0 };
                 let cell = &rows[arm][nearest];
                 JunctionArm {
-                    side: SIDES[arm],
+                    side: ARM_SIDES[arm],
                     porosity: laws[arm].porosity(cell),
                     thickness: thicknesses[arm],
                     impedance: laws[arm].fluid.impedance,
@@ -177,8 +181,8 @@ fn layers_that_meet_at_a_junction_balance_energy() {
             for arm in 0..4 {
                 let fluid = &laws[arm].fluid;
                 let z = fluid.impedance;
-                let is_lower = SIDES[arm] == ArmSide::Lower;
-                let far = fluid.state(&rows[arm][if is_lower { 0 } else { CELLS - 1 }]);
+                let is_lower = ARM_SIDES[arm] == ArmSide::Lower;
+                let far = fluid.state(&rows[arm][if is_lower { 0 } else { CELL_COUNT - 1 }]);
                 let far_side = if is_lower { ArmSide::Upper } else { ArmSide::Lower };
                 let end = match arm < 2 {
                     true => solve_closed_end(far, far_side, z),
@@ -188,17 +192,18 @@ fn layers_that_meet_at_a_junction_balance_energy() {
                 advance_row(fluid, &mut rows[arm], ends, ratio);
             }
             let after = energy(&rows);
-            worst = worst.max((after[0] - middle[0]).abs() / after[0]);
+            max_error = max_error.max((after[0] - middle[0]).abs() / after[0]);
             assert!(after[1] >= middle[1]);
             number += 1;
         }
     }
-    println!("{worst:e}, {closed} closed arms");
-    assert!(worst < 1e-14, "{worst:e}");
+    println!("{max_error:e}, {closed} closed arms");
+    assert!(max_error < 1e-14, "{max_error:e}");
     assert!(closed > 100);
 }
 
-/// Stiffness across a layer: b₀ at fixed fluid content, b₀ − b_s²/b_f after the fluid has drained; θ and p.
+/// The stiffness across a layer is b₀ at fixed fluid content and b₀ − b_s²/b_f after the fluid has drained, when the
+/// pressure is zero.
 #[test]
 fn stiffness_is_undrained_at_once_and_drained_at_last() {
     let law = saturated_layer(SATURATED);
@@ -213,13 +218,13 @@ fn stiffness_is_undrained_at_once_and_drained_at_last() {
     let load = RiemannData { impedance: [1.3, 0.6], invariant: [-stress, stress] };
     let rest = RiemannData { impedance: [1.3, 0.6], invariant: [0.0; 2] };
     for number in 0..4000 {
-        law.advance(&[load, rest], &interval(number, 0.02), &mut cell);
+        law.advance(&[load, rest], &step_interval(number, 0.02), &mut cell);
     }
     let undrained = stress / cell[history::NORMAL_STATE];
     let pressure = law.pressure(&cell);
     let z = law.fluid.impedance;
     for number in 0..20_000 {
-        law.advance(&[load, rest], &interval(number, 0.02), &mut cell);
+        law.advance(&[load, rest], &step_interval(number, 0.02), &mut cell);
         let state = law.fluid.state(&cell);
         let ends =
             [solve_open_end(state, ArmSide::Upper, z), solve_open_end(state, ArmSide::Lower, z)];
@@ -232,7 +237,7 @@ fn stiffness_is_undrained_at_once_and_drained_at_last() {
     assert!(pressure > 0.0 && law.pressure(&cell).abs() < 1e-10);
 }
 
-/// Frequency of a standing wave in a periodic row of one wavelength, as a speed along the layer.
+/// Measures the wave speed along a layer by the frequency of a standing wave in a periodic row of one wavelength.
 fn measure_speed(
     material: SaturatedMaterial,
     impedances: [f64; 2],
@@ -249,8 +254,8 @@ fn measure_speed(
     let mut row = vec![[0.0; MAX_HISTORY_VARIABLES]; cells];
     for (cell, cosine) in row.iter_mut().zip(&cosines) {
         cell[history::NORMAL_STATE] = strain;
-        // Without fluid stress at the initial strain.
-        cell[history::FLUID_STRAIN] = -fluid.coupling * strain / fluid.stiffness;
+        // The fluid strain at which the fluid traction is zero at the initial strain ε.
+        cell[history::FLUID_STRAIN] = -fluid.coupling_stiffness * strain / fluid.stiffness;
         cell[history::FLUID_VELOCITY] = 1e-3 * cosine;
     }
     let stress = law.normal_stress(&row[0]);
@@ -264,7 +269,7 @@ fn measure_speed(
     let (mut crossings, mut last) = (vec![], amplitude(&row));
     for number in 0.. {
         for cell in &mut row {
-            law.advance(&incoming, &interval(number, 0.5 * step), cell);
+            law.advance(&incoming, &step_interval(number, 0.5 * step), cell);
         }
         let states: Vec<FluidState<f64>> = row.iter().map(|cell| fluid.state(cell)).collect();
         for (i, cell) in row.iter_mut().enumerate() {
@@ -277,7 +282,7 @@ fn measure_speed(
             fluid.advance_cell(faces, step / dx, cell);
         }
         for cell in &mut row {
-            law.advance(&incoming, &interval(number, 0.5 * step), cell);
+            law.advance(&incoming, &step_interval(number, 0.5 * step), cell);
         }
         let new = amplitude(&row);
         if new * last < 0.0 {
@@ -291,8 +296,9 @@ fn measure_speed(
     2.0 * std::f64::consts::PI / (crossings[2] - crossings[0]) / wave_number
 }
 
-/// Speed √(B/ρ*) along a layer by the scheme of three stages, with ρ* = ρ_f + ρ_a (skeleton held) or ρ̂ (free), and
-/// B = b_f (faces held), b_f − b_s²/b₀ (S₂₂ held), b_f − b_s²/(b₀ + b₁) (S₂₂ held, pores collapsed).
+/// The wave speed along a layer is √(B/ρ*) with the density ρ* = ρ_f + ρ_a (skeleton held) or ρ̂ (skeleton free) and
+/// the modulus B = b_f (faces held), b_f − b_s²/b₀ (constant S₂₂) or b_f − b_s²/(b₀ + b₁) (constant S₂₂, pores
+/// collapsed).
 #[test]
 fn speeds_along_a_layer_have_the_closed_forms() {
     let material = SaturatedMaterial {

@@ -1,8 +1,8 @@
 //! Kinds of layers in the registry: constants, examples, errors.
 
-use crate::support::{ELASTIC, SATURATED, cone};
+use crate::support::{ELASTIC, SATURATED, plastic_constants};
 use wellposed_models::common::parameter::{Parameter, Presence};
-use wellposed_models::interface::kinds::{NORMAL_WORDS, TANGENTIAL_WORDS};
+use wellposed_models::interface::kinds::{NORMAL_COMPONENT_NAMES, TANGENTIAL_COMPONENT_NAMES};
 use wellposed_models::interface::layer::LayerLaw;
 use wellposed_models::interface::parameters::{LayerMaterial, SaturatedMaterial};
 use wellposed_models::registry::{LAYERS, find_layer, find_layer_by_components};
@@ -12,7 +12,7 @@ fn examples_of_all_kinds_build_a_law() {
     for kind in LAYERS {
         let examples: Vec<f64> = kind.parameters.iter().map(Parameter::example_value).collect();
         let material = kind.build(&examples).expect("valid examples");
-        material.law(Default::default());
+        material.to_law(Default::default());
         assert_eq!(find_layer(kind.name), Some(kind));
         assert!(material.thickness() > 0.0);
         assert!(kind.build(&examples[1..]).is_err());
@@ -24,7 +24,7 @@ fn examples_of_all_kinds_build_a_law() {
     );
 }
 
-/// A constant that is out of range is named in the error.
+/// The error for a constant out of range names the constant.
 #[test]
 fn constants_out_of_range_are_refused_by_name() {
     for kind in LAYERS {
@@ -56,8 +56,8 @@ fn constants_of_one_name_have_one_unit_and_components_are_found() {
             }
         }
     }
-    for normal in NORMAL_WORDS {
-        for tangential in TANGENTIAL_WORDS {
+    for normal in NORMAL_COMPONENT_NAMES {
+        for tangential in TANGENTIAL_COMPONENT_NAMES {
             let kind = find_layer_by_components(normal, tangential).expect("allowed");
             assert_eq!(kind.components, Some([normal, tangential]));
         }
@@ -74,13 +74,14 @@ fn dependent_constants_are_checked() {
     let error = LayerMaterial::Saturated(unstable).check().expect_err("b0 bf < bs^2");
     println!("{error}");
     assert_eq!(error.input, "coupling_stiffness");
-    let breaking = |strength| LayerMaterial::Breaking(ELASTIC, cone(1.0, 0.5, 0.0), strength);
+    let breaking =
+        |strength| LayerMaterial::Breaking(ELASTIC, plastic_constants(1.0, 0.5, 0.0), strength);
     let error = breaking(2.01).check().expect_err("beyond the apex");
     println!("{error}");
     assert_eq!(error.input, "tensile_strength");
     assert!(breaking(2.0).check().is_ok());
     assert!(matches!(
-        breaking(2.0).without_fracture().law(Default::default()),
+        breaking(2.0).without_fracture().to_law(Default::default()),
         LayerLaw::Plastic(_)
     ));
 }

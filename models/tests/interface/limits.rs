@@ -1,14 +1,15 @@
-//! Closed-form limits of layers between half-spaces.
+//! Layers between half-spaces in limits with a solution in closed form.
 
 use crate::support::{
-    BOTH_DISTRIBUTIONS, ELASTIC, History, IMPEDANCES, RandomLoad, cone, interval, materials, start,
+    ELASTIC, History, IMPEDANCES, MASS_DISTRIBUTIONS, RandomLoad, initial_history, layer_materials,
+    plastic_constants, step_interval,
 };
 use wellposed_models::interface::elastic::ElasticMaterial;
 use wellposed_models::interface::layer::{LayerLaw, MAX_HISTORY_VARIABLES};
 use wellposed_models::interface::parameters::{LayerMaterial, MassDistribution};
 use wellposed_models::interface::{FaceLaw, FaceState, RiemannData};
 
-/// Layer of the given mass and stiffness K for the shear component.
+/// Constants of a layer with the given mass per area and shear stiffness K.
 fn elastic_material(mass: f64, stiffness: f64) -> ElasticMaterial {
     let speed = (stiffness / mass).sqrt();
     ElasticMaterial {
@@ -19,7 +20,7 @@ fn elastic_material(mass: f64, stiffness: f64) -> ElasticMaterial {
     }
 }
 
-/// Shear components of both sides in a step with equal impedances and the invariants of the shear component.
+/// Advances a face by a step with equal impedances `z` on both sides; returns the shear states of both sides.
 fn shear_step(
     law: &LayerLaw<f64>,
     impedance: f64,
@@ -30,12 +31,12 @@ fn shear_step(
 ) -> [FaceState<f64>; 2] {
     let incoming =
         [[0.0; 2], invariant].map(|invariant| RiemannData { impedance: [impedance; 2], invariant });
-    law.advance(&incoming, &interval(number, step), history)[1]
+    law.advance(&incoming, &step_interval(number, step), history)[1]
 }
 
 #[test]
 fn stiff_light_layers_are_welded_and_soft_light_layers_are_free() {
-    for distribution in BOTH_DISTRIBUTIONS {
+    for distribution in MASS_DISTRIBUTIONS {
         for speed in [1e7, 1e-11] {
             let material = ElasticMaterial {
                 thickness: 1e-9,
@@ -43,13 +44,13 @@ fn stiff_light_layers_are_welded_and_soft_light_layers_are_free() {
                 longitudinal_speed: speed,
                 shear_speed: speed,
             };
-            let law = LayerMaterial::Elastic(material).law(distribution);
+            let law = LayerMaterial::Elastic(material).to_law(distribution);
             let mut load = RandomLoad::new(5);
-            let mut history = start(&law, [[0.0; 2]; 2]);
+            let mut history = initial_history(&law, [[0.0; 2]; 2]);
             let mut worst = 0.0f64;
             for number in 0..1000 {
                 let incoming = load.next();
-                let states = law.advance(&incoming, &interval(number, 0.1), &mut history);
+                let states = law.advance(&incoming, &step_interval(number, 0.1), &mut history);
                 for (data, [lower, upper]) in incoming.iter().zip(states) {
                     let ([z, x], [r, s]) = (data.impedance, data.invariant);
                     let expected = if speed > 1.0 {
@@ -69,25 +70,26 @@ fn stiff_light_layers_are_welded_and_soft_light_layers_are_free() {
     }
 }
 
-/// Layer that slips under a shear step v₀: the transmitted velocity is min(v₀, τ_s/z) and the slip rate 2(v₀ − τ_s/z).
+/// A layer under an incident shear step v₀ transmits the velocity min(v₀, τ_s/z) and slips at the rate 2(v₀ − τ_s/z) if
+/// this is positive.
 #[test]
 fn slipping_layer_transmits_its_strength() {
     let (z, strength) = (1.5, 0.6);
-    for distribution in BOTH_DISTRIBUTIONS {
+    for distribution in MASS_DISTRIBUTIONS {
         for velocity in [0.1, 0.39, 0.41, 1.0, 5.0] {
             let material = ElasticMaterial { thickness: 1e-3, ..ELASTIC };
-            let plastic = cone(strength, 0.0, 0.0);
-            let law = LayerMaterial::Plastic(material, plastic).law(distribution);
-            let mut history = start(&law, [[0.0; 2]; 2]);
+            let plastic = plastic_constants(strength, 0.0, 0.0);
+            let law = LayerMaterial::Plastic(material, plastic).to_law(distribution);
+            let mut history = initial_history(&law, [[0.0; 2]; 2]);
             let (step, mut states, mut slip) = (0.01, Default::default(), 0.0);
             for number in 0..1000 {
-                slip = law.record(&history).slip;
+                slip = law.to_face_record(&history).slip;
                 let invariant = [2.0 * z * velocity, 0.0];
                 states = Some(shear_step(&law, z, invariant, number, step, &mut history));
             }
             let [_, upper] = states.expect("steps");
             let transmitted = velocity.min(strength / z);
-            let rate = (law.record(&history).slip - slip) / step;
+            let rate = (law.to_face_record(&history).slip - slip) / step;
             println!("v0 = {velocity}: v = {}, slip rate {rate}", upper.velocity);
             assert!((upper.velocity - transmitted).abs() < 1e-12);
             assert!((rate - 2.0 * (velocity - transmitted)).abs() < 1e-11);
@@ -95,11 +97,13 @@ fn slipping_layer_transmits_its_strength() {
     }
 }
 
-/// Velocity step through one elastic layer, box scheme: v⁺ = v₀[1 − e^(−2zt/m) − e^(−2Kt/z)], which begins with −v₀.
+/// An elastic layer with the box scheme transmits an incident velocity step v₀ as v⁺ = v₀[1 − e^(−2zt/m) − e^(−2Kt/z)],
+/// which begins with −v₀.
 #[test]
 fn velocity_step_through_a_layer_has_the_closed_form() {
     let (z, mass, stiffness) = (1.3, 0.7, 2.1);
-    let law = LayerMaterial::Elastic(elastic_material(mass, stiffness)).law(MassDistribution::Box);
+    let law =
+        LayerMaterial::Elastic(elastic_material(mass, stiffness)).to_law(MassDistribution::Box);
     let mut errors = vec![];
     for steps in [200, 400, 800] {
         let step = 2.0 / steps as f64;
@@ -121,13 +125,13 @@ fn velocity_step_through_a_layer_has_the_closed_form() {
     assert!(errors[0] / errors[1] > 3.9 && errors[1] / errors[2] > 3.9);
 }
 
-/// Lumped masses: no precursor of reversed sign, the transmitted velocity never is negative.
+/// With lumped masses the velocity transmitted for an incident step is never negative.
 #[test]
 fn lumped_layer_has_no_reversed_precursor() {
     // Impedance above √(mK), so that the response is monotone.
     let (z, mass, stiffness) = (5.0, 0.7, 2.1);
     let law =
-        LayerMaterial::Elastic(elastic_material(mass, stiffness)).law(MassDistribution::Lumped);
+        LayerMaterial::Elastic(elastic_material(mass, stiffness)).to_law(MassDistribution::Lumped);
     let mut history = [0.0; MAX_HISTORY_VARIABLES];
     let mut before = 0.0;
     for number in 0..2000 {
@@ -138,8 +142,8 @@ fn lumped_layer_has_no_reversed_precursor() {
     assert!((before - 1.0).abs() < 1e-6, "{before}");
 }
 
-/// Complex amplitude of v⁺ per incident velocity, in the steady state of a sine load of angular frequency ω at steps Δt,
-/// from the in-phase and the out-of-phase run.
+/// Measures the transmission coefficient T, the complex amplitude of v⁺ per incident velocity, in the steady state of a
+/// sine load of angular frequency ω at time steps Δt; returns its real and imaginary part.
 fn transmission(law: &LayerLaw<f64>, z: f64, omega: f64, step: f64) -> [f64; 2] {
     let steps = 20_000;
     let mut histories = [[0.0; MAX_HISTORY_VARIABLES]; 2];
@@ -158,7 +162,8 @@ fn transmission(law: &LayerLaw<f64>, z: f64, omega: f64, step: f64) -> [f64; 2] 
     [velocity[0] * cos + velocity[1] * sin, velocity[1] * cos - velocity[0] * sin]
 }
 
-/// T = 1/[cos ψ + (i/2)(z/z′ + z′/z) sin ψ] with ψ = 2 arctan(½ω̃√(m/K)), z′ = √(mK), and ω̃ = (2/Δt) tan(½ωΔt) exactly.
+/// The transmission coefficient is T = 1/[cos ψ + (i/2)(z/z′ + z′/z) sin ψ] with ψ = 2 arctan(½ω̃√(m/K)), z′ = √(mK)
+/// and the frequency ω̃ = (2/Δt) tan(½ωΔt) of the midpoint rule.
 #[test]
 fn transmission_has_the_closed_form() {
     let (z, mass, stiffness, step) = (1.3f64, 0.7f64, 2.1f64, 0.1);
@@ -169,12 +174,12 @@ fn transmission_has_the_closed_form() {
         let psi = 2.0 * (0.5 * discrete * (mass / stiffness).sqrt()).atan();
         let (re, im) = (psi.cos(), 0.5 * (z / own + own / z) * psi.sin());
         let square = re * re + im * im;
-        let found = transmission(&material.law(MassDistribution::Box), z, omega, step);
+        let found = transmission(&material.to_law(MassDistribution::Box), z, omega, step);
         let error = (found[0] - re / square).abs().max((found[1] + im / square).abs());
         println!("omega {omega}: {found:?}, error {error:e}");
         assert!(error < 1e-10);
         if omega < 0.1 {
-            let lumped = transmission(&material.law(MassDistribution::Lumped), z, omega, step);
+            let lumped = transmission(&material.to_law(MassDistribution::Lumped), z, omega, step);
             let difference = (lumped[0] - found[0]).abs().max((lumped[1] - found[1]).abs());
             println!("lumped differs by {difference:e}");
             assert!(difference < omega.powi(2));
@@ -182,13 +187,13 @@ fn transmission_has_the_closed_form() {
     }
 }
 
-/// The long-wave limit of the lumped layer is that of the box layer: amplitudes differ in third order of ω.
+/// For long waves the transmission coefficients of the lumped and the box scheme differ only in third order of ω.
 #[test]
 fn lumped_and_box_layers_agree_for_long_waves() {
     let material = LayerMaterial::Elastic(elastic_material(0.7, 2.1));
     let difference = |omega: f64| {
         let [one, other] =
-            BOTH_DISTRIBUTIONS.map(|mass| transmission(&material.law(mass), 1.3, omega, 0.1));
+            MASS_DISTRIBUTIONS.map(|mass| transmission(&material.to_law(mass), 1.3, omega, 0.1));
         (one[0] - other[0]).hypot(one[1] - other[1])
     };
     let [one, other] = [0.2, 0.1].map(difference);
@@ -196,12 +201,12 @@ fn lumped_and_box_layers_agree_for_long_waves() {
     assert!((one / other).log2() > 1.9);
 }
 
-/// Under constant incoming waves at rest every layer comes to rest with the traction σ of the load.
+/// Under constant incoming waves that belong to a state at rest with the traction σ every layer comes to rest with σ.
 #[test]
 fn layers_take_the_static_traction() {
-    for (name, material) in materials() {
-        let law = material.law(Default::default());
-        let mut history = start(&law, [[0.0; 2]; 2]);
+    for (name, material) in layer_materials() {
+        let law = material.to_law(Default::default());
+        let mut history = initial_history(&law, [[0.0; 2]; 2]);
         // Small compression and shear, so that nothing yields in layers with strength: σ = S at v = 0.
         let target = [-0.05, 0.01];
         let incoming = std::array::from_fn(|i| RiemannData {
@@ -209,9 +214,9 @@ fn layers_take_the_static_traction() {
             invariant: [-target[i], target[i]],
         });
         for number in 0..4000 {
-            law.advance(&incoming, &interval(number, 0.05), &mut history);
+            law.advance(&incoming, &step_interval(number, 0.05), &mut history);
         }
-        let record = law.record(&history);
+        let record = law.to_face_record(&history);
         let has_strength = !name.contains("no shear");
         println!("{name}: {} {}", record.normal_stress, record.shear_stress);
         assert!((record.normal_stress - target[0]).abs() < 1e-9, "{name}");

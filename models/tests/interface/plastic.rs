@@ -1,6 +1,8 @@
-//! Elastic-plastic layers: the tractions stay in the yield set; apex; slip.
+//! Elastic-plastic layers: the tractions stay in the yield set, also at its apex; return mapping; slip.
 
-use crate::support::{BOTH_DISTRIBUTIONS, ELASTIC, RandomLoad, cone, interval, start};
+use crate::support::{
+    ELASTIC, MASS_DISTRIBUTIONS, RandomLoad, initial_history, plastic_constants, step_interval,
+};
 use testkit::random::RandomNumbers;
 use wellposed_models::interface::FaceLaw;
 use wellposed_models::interface::history;
@@ -10,23 +12,23 @@ use wellposed_models::interface::plastic::YieldCone;
 #[test]
 fn tractions_stay_in_the_yield_set() {
     let constants = [
-        cone(0.4, 0.5, 0.0),
-        cone(0.4, 0.5, 0.002),
-        cone(0.4, 0.0, 0.0),
-        cone(0.0, 0.5, 0.0),
-        cone(0.0, 0.0, 0.0),
-        cone(0.3, 1e-9, 0.0),
-        cone(0.3, 1e3, 1e-3),
+        plastic_constants(0.4, 0.5, 0.0),
+        plastic_constants(0.4, 0.5, 0.002),
+        plastic_constants(0.4, 0.0, 0.0),
+        plastic_constants(0.0, 0.5, 0.0),
+        plastic_constants(0.0, 0.0, 0.0),
+        plastic_constants(0.3, 1e-9, 0.0),
+        plastic_constants(0.3, 1e3, 1e-3),
     ];
-    for distribution in BOTH_DISTRIBUTIONS {
+    for distribution in MASS_DISTRIBUTIONS {
         for plastic in constants {
-            let law = LayerMaterial::Plastic(ELASTIC, plastic).law(distribution);
+            let law = LayerMaterial::Plastic(ELASTIC, plastic).to_law(distribution);
             let mut load = RandomLoad::new(3);
-            let mut history = start(&law, [[0.0; 2]; 2]);
+            let mut history = initial_history(&law, [[0.0; 2]; 2]);
             let (mut worst, mut slipping, mut apex) = (0.0f64, 0, 0);
             for number in 0..20_000 {
                 let before = history[history::SLIP];
-                law.advance(&load.next(), &interval(number, 0.21), &mut history);
+                law.advance(&load.next(), &step_interval(number, 0.21), &mut history);
                 let (normal, shear) =
                     (history[history::NORMAL_STATE], history[history::SHEAR_STRESS]);
                 let slip = history[history::SLIP];
@@ -48,8 +50,8 @@ fn tractions_stay_in_the_yield_set() {
     }
 }
 
-/// The returned traction is the point of the yield set closest to the trial in the norm of the stiffness: it is in the
-/// set, no random point of the set is closer, and the multiplier gives the distance.
+/// The returned traction is the point of the yield set closest to the trial in the weighted norm: it is in the set, no
+/// random point of the set is closer, and its distance agrees with the multiplier.
 #[test]
 fn returned_traction_is_the_closest_point_of_the_yield_set() {
     let mut random = RandomNumbers::new(4);
@@ -86,19 +88,20 @@ fn returned_traction_is_the_closest_point_of_the_yield_set() {
     assert!(regular > 500 && apex > 50);
 }
 
-/// The slip is the part of the jump of displacement that is not elastic, for slip in one direction.
+/// For slip in one direction the slip is the jump of the displacement minus its elastic part.
 #[test]
 fn slip_is_the_jump_of_displacement_beyond_the_elastic_one() {
-    let law = LayerMaterial::Plastic(ELASTIC, cone(0.4, 0.0, 0.3)).law(Default::default());
-    let mut history = start(&law, [[0.0; 2]; 2]);
+    let law = LayerMaterial::Plastic(ELASTIC, plastic_constants(0.4, 0.0, 0.3))
+        .to_law(Default::default());
+    let mut history = initial_history(&law, [[0.0; 2]; 2]);
     let mut displacement = 0.0;
     let mut load = RandomLoad::new(3).next();
     for number in 0..200 {
         load[1].invariant = [1.0 + 0.01 * number as f64, 0.0];
-        let [_, [before, after]] = law.advance(&load, &interval(number, 0.05), &mut history);
+        let [_, [before, after]] = law.advance(&load, &step_interval(number, 0.05), &mut history);
         displacement += 0.05 * (after.velocity - before.velocity);
     }
-    let record = law.record(&history);
+    let record = law.to_face_record(&history);
     let elastic = ELASTIC.tangential_compliance() * record.shear_stress;
     println!("{displacement} {elastic} {}", record.slip);
     assert!((displacement - elastic + record.slip).abs() < 1e-12 * record.slip);

@@ -1,4 +1,4 @@
-//! Layers of order one of all kinds, random loads, and a number type of two lanes.
+//! Layers of all kinds with constants of order one, random loads, and a number type of two lanes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use testkit::random::RandomNumbers;
@@ -11,7 +11,8 @@ use wellposed_models::interface::parameters::{
 };
 use wellposed_models::interface::{FaceLaw, FaceState, Interval, RiemannData};
 
-pub const BOTH_DISTRIBUTIONS: [MassDistribution; 2] =
+/// Both distributions of the mass of a layer.
+pub const MASS_DISTRIBUTIONS: [MassDistribution; 2] =
     [MassDistribution::Box, MassDistribution::Lumped];
 
 /// History variables of a face.
@@ -34,22 +35,22 @@ pub const SATURATED: SaturatedMaterial = SaturatedMaterial {
     viscous: VISCOUS,
 };
 
-/// Yield cone with the given strength, friction and hardening.
-pub fn cone(shear_strength: f64, friction: f64, hardening: f64) -> PlasticConstants {
+/// Constants of a layer that slips.
+pub fn plastic_constants(shear_strength: f64, friction: f64, hardening: f64) -> PlasticConstants {
     PlasticConstants { shear_strength, friction, hardening }
 }
 
-/// Layers of all kinds, with names.
-pub fn materials() -> Vec<(&'static str, LayerMaterial)> {
+/// Layers of all kinds with their names.
+pub fn layer_materials() -> Vec<(&'static str, LayerMaterial)> {
     use LayerMaterial::{Breaking, Cracked, Elastic, Plastic, Porous, Saturated, Viscous};
     let plastic_shear = TangentialConstants::Plastic { shear_strength: 0.4, hardening: 0.002 };
     vec![
         ("elastic", Elastic(ELASTIC)),
-        ("elastic-plastic", Plastic(ELASTIC, cone(0.4, 0.5, 0.0))),
-        ("elastic-plastic, hardening", Plastic(ELASTIC, cone(0.4, 0.5, 0.002))),
-        ("elastic-plastic, cohesive", Plastic(ELASTIC, cone(0.4, 0.0, 0.0))),
-        ("elastic-plastic, no strength", Plastic(ELASTIC, cone(0.0, 0.5, 0.0))),
-        ("elastic-plastic, no shear", Plastic(ELASTIC, cone(0.0, 0.0, 0.0))),
+        ("elastic-plastic", Plastic(ELASTIC, plastic_constants(0.4, 0.5, 0.0))),
+        ("elastic-plastic, hardening", Plastic(ELASTIC, plastic_constants(0.4, 0.5, 0.002))),
+        ("elastic-plastic, cohesive", Plastic(ELASTIC, plastic_constants(0.4, 0.0, 0.0))),
+        ("elastic-plastic, no strength", Plastic(ELASTIC, plastic_constants(0.0, 0.5, 0.0))),
+        ("elastic-plastic, no shear", Plastic(ELASTIC, plastic_constants(0.0, 0.0, 0.0))),
         ("viscous", Viscous(ELASTIC, VISCOUS)),
         ("porous", Porous(ELASTIC, PORES, TangentialConstants::Elastic)),
         ("porous, viscous", Porous(ELASTIC, PORES, TangentialConstants::Viscous(VISCOUS))),
@@ -57,19 +58,20 @@ pub fn materials() -> Vec<(&'static str, LayerMaterial)> {
         ("saturated", Saturated(SATURATED)),
         ("cracked", Cracked(ELASTIC, None)),
         ("cracked, friction", Cracked(ELASTIC, Some(0.5))),
-        ("breaking", Breaking(ELASTIC, cone(0.6, 0.5, 0.002), 0.7)),
-        ("breaking at the apex", Breaking(ELASTIC, cone(0.6, 0.5, 0.0), 1.2)),
+        ("breaking", Breaking(ELASTIC, plastic_constants(0.6, 0.5, 0.002), 0.7)),
+        ("breaking at the apex", Breaking(ELASTIC, plastic_constants(0.6, 0.5, 0.0), 1.2)),
     ]
 }
 
-/// Random load of a face: Riemann invariants that decay to random values of both signs, with a random amplitude that
-/// changes now and then, and are zero for some time.
+/// Random load of a face: Riemann invariants that relax towards random target values of both signs and of random
+/// amplitude. The targets change in about one of twenty steps and are zero in a tenth of the cases.
 pub struct RandomLoad {
     random: RandomNumbers,
     target: [[f64; 2]; 2],
     value: [[f64; 2]; 2],
 }
 
+/// Impedances z⁻ and z⁺ of both cells by component.
 pub const IMPEDANCES: [[f64; 2]; 2] = [[1.3, 0.4], [0.5, 0.9]];
 
 impl RandomLoad {
@@ -104,17 +106,17 @@ impl RandomLoad {
     }
 }
 
-/// Advances a face and returns the work of both cells, J/m², and the sum of the sizes of its terms.
-pub fn work(
+/// Returns the work of both cells on a face in a step, J/m², and the sum of the magnitudes of its terms.
+pub fn face_work(
     states: &[[FaceState<f64>; 2]; 2],
     incoming: &[RiemannData<f64>; 2],
     step: f64,
 ) -> (f64, f64) {
     let (mut total, mut size) = (0.0, 0.0);
-    for (component, [before, after]) in states.iter().enumerate() {
+    for (component, [lower, upper]) in states.iter().enumerate() {
         let impedance = incoming[component].impedance;
-        total += step * (after.stress * after.velocity - before.stress * before.velocity);
-        for (state, z) in [(before, impedance[0]), (after, impedance[1])] {
+        total += step * (upper.stress * upper.velocity - lower.stress * lower.velocity);
+        for (state, z) in [(lower, impedance[0]), (upper, impedance[1])] {
             size += 0.5 * step * (z * state.velocity.powi(2) + state.stress.powi(2) / z);
         }
     }
@@ -122,22 +124,22 @@ pub fn work(
 }
 
 /// Initial history variables of a face whose cells have the given velocities.
-pub fn start(law: &LayerLaw<f64>, velocities: [[f64; 2]; 2]) -> History {
+pub fn initial_history(law: &LayerLaw<f64>, velocities: [[f64; 2]; 2]) -> History {
     let mut history = [0.0; MAX_HISTORY_VARIABLES];
     law.initialise(&velocities, &mut history);
     history
 }
 
-/// Interval of step `number`, from 0 on.
-pub fn interval(number: usize, step: f64) -> Interval<f64> {
+/// Time interval of the step `number`, counted from 0.
+pub fn step_interval(number: usize, step: f64) -> Interval<f64> {
     Interval { end: (number + 1) as f64 * step, step }
 }
 
-/// Two lanes of doubles.
+/// Number type of two lanes of doubles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair(pub [f64; 2]);
+pub struct TwoLanes(pub [f64; 2]);
 
-impl Pair {
+impl TwoLanes {
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self(std::array::from_fn(|lane| f(self.0[lane], other.0[lane])))
     }
@@ -145,7 +147,7 @@ impl Pair {
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl $trait for Pair {
+        impl $trait for TwoLanes {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
                 self.zip(other, f64::$method)
@@ -159,14 +161,14 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl Neg for Pair {
+impl Neg for TwoLanes {
     type Output = Self;
     fn neg(self) -> Self {
         Self(self.0.map(|x| -x))
     }
 }
 
-impl Number for Pair {
+impl Number for TwoLanes {
     const ZERO: Self = Self([0.0; 2]);
     const ONE: Self = Self([1.0; 2]);
     const HALF: Self = Self([0.5; 2]);

@@ -96,8 +96,8 @@ pub struct RandomCase {
     pub state: MaterialState,
 }
 
-/// Calls `check` for `count` random states of each of the [`MODEL_CASES`]; the sequence of random numbers of the n-th one
-/// has the seed `first_seed` + n.
+/// Calls `check` for `count` random states of each of the [`MODEL_CASES`]; the sequence of random numbers of the n-th
+/// one has the seed `first_seed` + n.
 pub fn for_random_cases(
     first_seed: u64,
     count: usize,
@@ -134,7 +134,7 @@ pub fn complete_flow(model: &Model, state: &MaterialState) -> DeformingFlow {
 
 pub fn assemble_symbol(model: &Model, flow: &DeformingFlow) -> LinearisedSystem<2> {
     let mut system = LinearisedSystem::default();
-    model.symbol(flow, &mut system);
+    model.write_symbol(flow, &mut system);
     system
 }
 

@@ -1,6 +1,6 @@
 //! Checksum list of a results folder.
 
-use super::names::is_run_file;
+use super::names::is_run_file_name;
 use super::{OutputError, ResultFolder, write_file};
 use files::checksums::Checksums;
 use files::{FileDigest, read_regular_file};
@@ -11,8 +11,9 @@ use std::path::Path;
 /// checksum.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Damage {
-    /// File name.
-    pub file: String,
+    /// Name of the damaged file in its folder.
+    #[serde(rename = "file")]
+    pub file_name: String,
     /// Description of the damage.
     #[serde(rename = "found")]
     pub description: String,
@@ -20,7 +21,7 @@ pub struct Damage {
 
 impl Damage {
     pub(super) fn new(file: &str, description: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), description: description.into() }
+        Self { file_name: file.to_owned(), description: description.into() }
     }
 
     /// Compares a file of a folder with the recorded length and checksum; `None` if they are equal.
@@ -92,8 +93,11 @@ impl ResultFolder {
     /// Removes the entries of run files from the checksum list, before the files are removed.
     pub(super) fn remove_run_checksums(&self) -> Result<(), OutputError> {
         let mut list = self.load_checksums()?;
-        let own: Vec<String> =
-            list.iter().map(|(name, _)| name.to_owned()).filter(|name| is_run_file(name)).collect();
+        let own: Vec<String> = list
+            .iter()
+            .map(|(name, _)| name.to_owned())
+            .filter(|name| is_run_file_name(name))
+            .collect();
         if own.is_empty() {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! Errors of writing and reading results.
+//! Errors of writing and reading result files and folders.
 
 use files::table_appender::{AppendError, AppendProblem};
 use std::io::ErrorKind;
@@ -12,7 +12,7 @@ pub struct OutputError {
     pub path: PathBuf,
     /// Cause of the error.
     pub cause: String,
-    /// Suggested remedy.
+    /// Remedy that the message suggests.
     pub remedy: &'static str,
 }
 
@@ -40,8 +40,8 @@ impl OutputError {
         Self { path: path.to_owned(), cause: cause.to_string(), remedy }
     }
 
-    /// Creates the error for a table to which rows cannot be appended. If the table is missing or has invalid content,
-    /// the suggested remedy is a new run, otherwise another place.
+    /// Creates the error for a table to which rows cannot be appended. The remedy is a new run if the table is missing
+    /// or has invalid content, otherwise another path.
     pub fn from_append_error(error: AppendError) -> Self {
         match error.problem {
             AppendProblem::Io { ref source, .. } if source.kind() != ErrorKind::NotFound => {

@@ -1,10 +1,10 @@
-//! Results folders: write permission, locking and the files present in every folder.
+//! Results folders: write permission, locks, and the files that every folder contains.
 //!
-//! A run holds the file lock `lock` from beginning to end, so that one run at a time writes to a folder. Every process
-//! that publishes or removes files, runs included, holds a second lock only during that operation, and checks again
-//! under it whether the folder may be written to, since another process may have added files. Until they are published,
-//! files have unique temporary names. Checksum entries follow the files: an entry is removed before its file, and added
-//! after it.
+//! A run holds the file lock `lock` from beginning to end, so that only one run at a time writes to a folder. Every
+//! process that publishes or removes files, including runs, holds a second lock, the publication lock, only during that
+//! operation. Under this lock it checks again whether the folder may be written, since another process may have added
+//! files. Files have unique temporary names until they are published. The checksum entry of a file is removed before
+//! the file and added after it.
 
 mod checksums;
 mod error;
@@ -17,23 +17,25 @@ mod verify;
 pub use checksums::Damage;
 pub use error::OutputError;
 pub use names::{
-    AppendedFile, BLOCH_FILES, CHECK_FILES, DISPERSION_FILES, JOINT_ARCHIVE_FILE, JOINT_LIST_FILE,
-    MAP_FILES, POINT_FILES, RUN_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files,
-    is_snapshot, joint_snapshot_name, result_names, snapshot_files, snapshot_name,
+    AppendedFile, BLOCH_FILES, CHECK_FILES, DISPERSION_FILES, JOINT_ARCHIVE_FILE,
+    JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES, RUN_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES,
+    has_joint_files, is_snapshot_name, joint_snapshot_file_name, result_file_names,
+    snapshot_file_name, snapshot_file_names,
 };
 
 pub use publication::Publication;
 pub use run::{RunFolder, UnfinishedRun};
-pub use verify::{Verification, verify_folder};
+pub use verify::{VerificationResult, verify_folder};
 
 use crate::case::{Case, MAX_FILE_SIZE};
 use files::FileError;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
 use names::{
-    CASE_FILE, PROBE_FILE, PROGRAM_FILE, PUBLICATION_LOCK_FILE, is_result_name, is_temporary,
+    CASE_FILE, PROBE_FILE_STEM, PROGRAM_FILE, PUBLICATION_LOCK_FILE, is_result_file_name,
+    is_temporary_name,
 };
-use origin::{find_foreign_content, has_content, serialise_program_file};
+use origin::{has_equal_content, overwrite_refusal_reason, serialise_program_file};
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -49,13 +51,13 @@ pub struct ResultFolder {
     path: PathBuf,
     case_toml: String,
     case_without_plot_options: String,
-    /// Whether results of other cases are overwritten and runs restarted.
+    /// Whether results of other cases may be overwritten and finished runs restarted (`--force`).
     can_overwrite: bool,
 }
 
 impl ResultFolder {
     /// Selects the results folder `out`, by default `out/<case name>`, and checks by a test write that it can be
-    /// written to; leaves no file behind and does not create the folder.
+    /// written to; no file is left in it, and the folder is not created.
     ///
     /// The folder may be absent, empty, or hold results of the same case by the same program version, which are
     /// bit-identical. Any other folder requires `force` and no run in progress. If the source file of the case is in
@@ -80,7 +82,7 @@ impl ResultFolder {
                 remedy: "ask for fewer receivers, or for shorter tables",
             });
         }
-        let in_the_way = |name: &str, cause: &str| OutputError {
+        let create_conflict_error = |name: &str, cause: &str| OutputError {
             path: own.path.join(name),
             cause: cause.to_owned(),
             remedy: "name another folder with --out",
@@ -88,31 +90,35 @@ impl ResultFolder {
         if let Some(name) =
             case.source_path().and_then(|source| own.find_overwritten_source(source))
         {
-            return Err(in_the_way(
+            return Err(create_conflict_error(
                 name,
                 "this is the case file itself, which would be overwritten",
             ));
         }
         if let Some(name) = case.input_files().find_map(|input| own.find_overwritten_input(input)) {
-            return Err(in_the_way(
+            return Err(create_conflict_error(
                 &name,
                 "the case begins with this file, which would be overwritten",
             ));
         }
-        let is_foreign = own.check_foreign_results()?;
+        let is_foreign = own.has_foreign_results()?;
         if is_foreign && own.has_active_run()? {
-            return Err(own.active_run_error());
+            return Err(own.create_active_run_error());
         }
         check_writable(&own.path)?;
         Ok(own)
     }
 
-    /// Returns whether the folder contains results of another case that `force` allows to be removed.
+    /// Returns whether the folder contains results of another case, which may be removed because of `--force`.
     ///
     /// # Errors
     /// The folder contains other results, and `force` is not set.
-    fn check_foreign_results(&self) -> Result<bool, OutputError> {
-        match find_foreign_content(&self.path, &self.case_toml, &self.case_without_plot_options)? {
+    fn has_foreign_results(&self) -> Result<bool, OutputError> {
+        match overwrite_refusal_reason(
+            &self.path,
+            &self.case_toml,
+            &self.case_without_plot_options,
+        )? {
             Some(cause) if !self.can_overwrite => Err(OutputError {
                 path: self.path.clone(),
                 cause: cause.into(),
@@ -128,21 +134,21 @@ impl ResultFolder {
         let source = source.canonicalize().ok()?;
         let is_source =
             |name: &&str| self.path.join(name).canonicalize().is_ok_and(|p| p == source);
-        let name = result_names().chain([CASE_FILE, PROGRAM_FILE]).find(is_source)?;
-        (name != CASE_FILE || !has_content(&source, &self.case_toml)).then_some(name)
+        let name = result_file_names().chain([CASE_FILE, PROGRAM_FILE]).find(is_source)?;
+        (name != CASE_FILE || !has_equal_content(&source, &self.case_toml)).then_some(name)
     }
 
     /// Returns the name of the input file `input` in this folder, if verbs write or remove files of that name.
     fn find_overwritten_input(&self, input: &Path) -> Option<String> {
         let (input, own) = (input.canonicalize().ok()?, self.path.canonicalize().ok()?);
         let name = input.strip_prefix(own).ok()?.to_str()?;
-        let is_own = is_result_name(name)
+        let is_own = is_result_file_name(name)
             || [CASE_FILE, PROGRAM_FILE, AppendedFile::Log.name()].contains(&name)
-            || is_temporary(name);
+            || is_temporary_name(name);
         is_own.then(|| name.to_owned())
     }
 
-    /// Returns the path of the folder.
+    /// Returns the path of the results folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -152,8 +158,8 @@ impl ResultFolder {
         &self.case_without_plot_options
     }
 
-    /// Names of the files in every results folder.
-    pub const COMMON_FILES: [&str; 3] = [CASE_FILE, PROGRAM_FILE, Checksums::FILE_NAME];
+    /// Names of the files that every results folder contains.
+    pub const COMMON_FILE_NAMES: [&str; 3] = [CASE_FILE, PROGRAM_FILE, Checksums::FILE_NAME];
 
     /// Returns the path of an appended file in this folder.
     pub fn file_path(&self, file: AppendedFile) -> PathBuf {
@@ -161,7 +167,7 @@ impl ResultFolder {
     }
 
     /// Acquires the publication lock for publishing and removing files.
-    fn lock_for_publication(&self) -> Result<Lock, OutputError> {
+    fn acquire_publication_lock(&self) -> Result<Lock, OutputError> {
         fs::create_dir_all(&self.path).map_err(|error| OutputError::new(&self.path, error))?;
         let path = self.path.join(PUBLICATION_LOCK_FILE);
         match Lock::acquire(&path, PUBLICATION_LOCK_TIMEOUT) {
@@ -171,7 +177,7 @@ impl ResultFolder {
                 cause: "another process has been putting files here for 10 s".into(),
                 remedy: "try again, or name another folder with --out",
             }),
-            Err(LockError::Io(error)) => Err(lock_error(&path, &error)),
+            Err(LockError::Io(error)) => Err(create_lock_error(&path, &error)),
         }
     }
 
@@ -180,7 +186,7 @@ impl ResultFolder {
         if self.file_path(AppendedFile::Lock).symlink_metadata().is_err() {
             return Ok(false);
         }
-        let _brief = self.lock_for_publication()?;
+        let _brief = self.acquire_publication_lock()?;
         Ok(self.has_run_lock())
     }
 
@@ -190,7 +196,7 @@ impl ResultFolder {
     }
 
     /// Creates the error that a run is in progress in this folder.
-    fn active_run_error(&self) -> OutputError {
+    fn create_active_run_error(&self) -> OutputError {
         OutputError {
             path: self.path.clone(),
             cause: "a run is in progress here".into(),
@@ -198,14 +204,14 @@ impl ResultFolder {
         }
     }
 
-    /// Removes all results, except the lock of a run in progress.
+    /// Removes all result files, except the lock of a run in progress.
     fn remove_results(&self) -> Result<(), OutputError> {
-        // The checksum list goes first, so that it never lists absent files.
-        remove_if_exists(&self.path.join(Checksums::FILE_NAME))?;
+        // The checksum list is removed first, so that it never lists absent files.
+        remove_file_if_exists(&self.path.join(Checksums::FILE_NAME))?;
         let names = list_file_names(&self.path)?;
         let is_kept = |name: &str| name == AppendedFile::Lock.name() && self.has_run_lock();
-        let mut own = names.iter().filter(|name| is_result_name(name) && !is_kept(name));
-        own.try_for_each(|name| remove_if_exists(&self.path.join(name)))
+        let mut own = names.iter().filter(|name| is_result_file_name(name) && !is_kept(name));
+        own.try_for_each(|name| remove_file_if_exists(&self.path.join(name)))
     }
 
     /// Writes the resolved case and the program version; a file that exists with identical content is not rewritten.
@@ -231,16 +237,16 @@ impl ResultFolder {
     /// Removes temporary files left by killed processes.
     fn remove_abandoned_files(&self) -> Result<(), OutputError> {
         let names = list_file_names(&self.path)?;
-        let mut half_written = names.iter().filter(|name| is_temporary(name));
+        let mut half_written = names.iter().filter(|name| is_temporary_name(name));
         half_written.try_for_each(|name| {
             let path = self.path.join(name);
-            files::remove_abandoned_file(&path).map_err(|error| removal_error(&path, &error))
+            files::remove_abandoned_file(&path).map_err(|error| create_removal_error(&path, &error))
         })
     }
 }
 
 /// Creates the error that a lock cannot be acquired.
-fn lock_error(path: &Path, error: &std::io::Error) -> OutputError {
+fn create_lock_error(path: &Path, error: &std::io::Error) -> OutputError {
     OutputError {
         path: path.to_owned(),
         cause: format!("cannot be locked: {error}"),
@@ -249,14 +255,16 @@ fn lock_error(path: &Path, error: &std::io::Error) -> OutputError {
 }
 
 /// Removes a file if it exists.
-fn remove_if_exists(path: &Path) -> Result<(), OutputError> {
+fn remove_file_if_exists(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(removal_error(path, &error)),
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(create_removal_error(path, &error))
+        }
         _ => Ok(()),
     }
 }
 
-fn removal_error(path: &Path, error: &std::io::Error) -> OutputError {
+fn create_removal_error(path: &Path, error: &std::io::Error) -> OutputError {
     OutputError {
         path: path.to_owned(),
         cause: error.to_string(),
@@ -274,8 +282,8 @@ fn list_file_names(folder: &Path) -> Result<Vec<String>, OutputError> {
     entries.map(|entry| Ok(entry.map_err(at)?.file_name().to_string_lossy().into_owned())).collect()
 }
 
-/// Creates and removes a file in the folder, or in its nearest existing ancestor: permission bits do not determine
-/// whether the file system accepts files.
+/// Checks that files can be created, by creating and removing one in the folder or in its nearest existing ancestor;
+/// permission bits do not determine whether the file system accepts files.
 fn check_writable(folder: &Path) -> Result<(), OutputError> {
     static PROBE_COUNT: AtomicUsize = AtomicUsize::new(0);
     // `symlink_metadata`, so that a dangling link counts as existing.
@@ -287,12 +295,13 @@ fn check_writable(folder: &Path) -> Result<(), OutputError> {
     }
     loop {
         let count = PROBE_COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = nearest.join(format!(".{PROBE_FILE}.{}-{count}.partial", std::process::id()));
+        let path =
+            nearest.join(format!(".{PROBE_FILE_STEM}.{}-{count}.partial", std::process::id()));
         match File::create_new(&path) {
-            // The file was left by an earlier process with the same process id; the next name is tried.
+            // An earlier process with the same process id left this file; the next name is tried.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
             Err(error) => return Err(at(error)),
-            // Another process may have removed the file as the leftover of a killed process.
+            // Another process may have removed the file already, as a file of a killed process.
             Ok(_) => match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(at(error)),
                 _ => return Ok(()),
@@ -301,15 +310,15 @@ fn check_writable(folder: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Writes a file atomically.
+/// Writes a file atomically: readers see the previous content or the complete new one.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    files::write_atomically(path, bytes).map_err(|error| write_error(path, &error))
+    files::write_atomically(path, bytes).map_err(|error| create_write_error(path, &error))
 }
 
 /// Creates the error that a file was not written; it names the target, not the temporary file.
-pub fn write_error(path: &Path, error: &FileError) -> OutputError {
+pub fn create_write_error(path: &Path, error: &FileError) -> OutputError {
     OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
 }

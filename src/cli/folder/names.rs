@@ -1,22 +1,24 @@
-//! Names of the result files.
+//! Names of the files in results folders.
 
 use crate::case::Case;
 use crate::case::dynamics::Blocks;
 use files::checksums::Checksums;
 
-/// File of the resolved case.
+/// Name of the file with the resolved case.
 pub(super) const CASE_FILE: &str = "case.toml";
-/// File with name, version and commit of the program, and the checksum of the case.
+/// Name of the file with name, version and commit of the program, and the checksum of the case.
 pub(super) const PROGRAM_FILE: &str = "program.json";
 
 /// Stem of the name of the temporary file that tests whether a folder is writable.
-pub(super) const PROBE_FILE: &str = "probe";
+pub(super) const PROBE_FILE_STEM: &str = "probe";
 
-/// Files of `map` besides [`ResultFolder::COMMON_FILES`](super::ResultFolder::COMMON_FILES).
+/// Names of the files of `map`, in addition to
+/// [`ResultFolder::COMMON_FILE_NAMES`](super::ResultFolder::COMMON_FILE_NAMES).
 pub const MAP_FILES: [&str; 6] =
     ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
 
-/// Files of `point` besides the common files: the first two always, the others depending on the medium and its state.
+/// Names of the files of `point`, in addition to the common files: the first two always, the others depending on the
+/// medium and its state.
 pub const POINT_FILES: [&str; 10] = [
     "point.json",
     "point.txt",
@@ -30,11 +32,11 @@ pub const POINT_FILES: [&str; 10] = [
     "directions.svg",
 ];
 
-/// Files of `dispersion` besides the common files.
+/// Names of the files of `dispersion` for a solid, in addition to the common files.
 pub const DISPERSION_FILES: [&str; 5] =
     ["dispersion.png", "dispersion.svg", "dispersion.csv", "dispersion.json", "dispersion.txt"];
 
-/// Files of `dispersion` of a blocky medium besides the common files.
+/// Names of the files of `dispersion` for a blocky medium, in addition to the common files.
 pub const BLOCH_FILES: [&str; 6] = [
     "dispersion.png",
     "dispersion.svg",
@@ -44,10 +46,10 @@ pub const BLOCH_FILES: [&str; 6] = [
     "dispersion.txt",
 ];
 
-/// Archive of arrays that `dispersion` writes for blocky media only.
+/// Name of the archive that `dispersion` writes for blocky media only.
 const BLOCH_ARCHIVE_FILE: &str = "dispersion.npz";
 
-/// Files of `speeds` besides the common files; the last three in three dimensions only.
+/// Names of the files of `speeds`, in addition to the common files; the last three in three dimensions only.
 pub const SPEEDS_FILES: [&str; 8] = [
     "speeds.png",
     "speeds.svg",
@@ -59,13 +61,13 @@ pub const SPEEDS_FILES: [&str; 8] = [
     "sphere.csv",
 ];
 
-/// Files of `check` besides the common files; the last two if a perturbation is refined.
+/// Names of the files of `check`, in addition to the common files; the last two only if a perturbation is refined.
 pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
-/// Files of `run` besides the common files. Those of receivers, joints, snapshots, animation, dissipation, fluid and
-/// spectra are written only if the case has such output. Checkpoint and lock exist only until the run finishes. Snapshot files have
-/// their own names, see [`is_snapshot`].
+/// Names of the files of `run`, in addition to the common files. Those of receivers, joints, snapshots, animation,
+/// dissipation, fluid and spectra are written only if the case has such output. Checkpoint and lock exist only until
+/// the run finishes. Snapshots have file names with an index, see [`is_snapshot_name`].
 pub const RUN_FILES: [&str; 27] = [
     "run.png",
     "run.svg",
@@ -83,7 +85,7 @@ pub const RUN_FILES: [&str; 27] = [
     JOINT_ARCHIVE_FILE,
     "joints.csv",
     "joints.vtp",
-    JOINT_LIST_FILE,
+    JOINT_SNAPSHOT_LIST_FILE,
     "receivers.csv",
     "receivers.npz",
     "ledger.csv",
@@ -96,29 +98,29 @@ pub const RUN_FILES: [&str; 27] = [
     "run.txt",
 ];
 
-/// File that lists the snapshots of a run with their times.
+/// Name of the file that lists the snapshots of a run with their times.
 pub const SNAPSHOT_LIST_FILE: &str = "snapshots.pvd";
 
-/// Archive of the final state of joints.
+/// Name of the archive of the final state of joints.
 pub const JOINT_ARCHIVE_FILE: &str = "joints.npz";
 
-/// File that lists the snapshots of joints with their times.
-pub const JOINT_LIST_FILE: &str = "joints.pvd";
+/// Name of the file that lists the snapshots of joints with their times.
+pub const JOINT_SNAPSHOT_LIST_FILE: &str = "joints.pvd";
 
-/// File of the publication lock, held while files are published or removed.
+/// Name of the file of the publication lock, which is held while files are published or removed.
 pub(super) const PUBLICATION_LOCK_FILE: &str = ".publishing";
 
-/// File whose existence marks a run as finished.
+/// Name of the file whose existence marks a run as finished.
 pub(super) const FINISHED_RUN_FILE: &str = "run.json";
 
-/// File that a run appends to or rewrites.
+/// Kind of a file that a run appends to or rewrites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AppendedFile {
-    /// Receiver records.
+    /// Table of the receiver records.
     Receivers,
-    /// Energy ledger.
+    /// Table of the energy ledger.
     Ledger,
-    /// Energy spectrum of a flow by shells of mode numbers.
+    /// Table of the energy spectrum of a flow, by shells of mode numbers.
     Spectrum,
     /// Checkpoint from which a run resumes.
     Checkpoint,
@@ -129,7 +131,7 @@ pub enum AppendedFile {
 }
 
 impl AppendedFile {
-    /// Returns the file name.
+    /// Returns the name of the file in the results folder.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Receivers => "receivers.csv",
@@ -143,14 +145,14 @@ impl AppendedFile {
 }
 
 /// Returns the file name of a snapshot of a case by its index, from 0.
-pub fn snapshot_name(case: &Case, index: usize) -> String {
+pub fn snapshot_file_name(case: &Case, index: usize) -> String {
     // Snapshots of flows are on a deformed grid, hence structured (`vts`).
     let extension = if case.flow_run.is_some() { "vts" } else { "vti" };
     format!("snapshot-{index:08}.{extension}")
 }
 
 /// Returns the file name of the joints in a snapshot by its index, from 0.
-pub fn joint_snapshot_name(index: usize) -> String {
+pub fn joint_snapshot_file_name(index: usize) -> String {
     format!("joints-{index:08}.vtp")
 }
 
@@ -161,14 +163,14 @@ pub fn has_joint_files(case: &Case) -> bool {
 }
 
 /// Returns the names of all files of a snapshot: the fields, and the joints if there are any.
-pub fn snapshot_files(case: &Case, index: usize) -> Vec<String> {
-    let joints = has_joint_files(case).then(|| joint_snapshot_name(index));
-    std::iter::once(snapshot_name(case, index)).chain(joints).collect()
+pub fn snapshot_file_names(case: &Case, index: usize) -> Vec<String> {
+    let joints = has_joint_files(case).then(|| joint_snapshot_file_name(index));
+    std::iter::once(snapshot_file_name(case, index)).chain(joints).collect()
 }
 
-/// Returns whether the name is that of a file of a snapshot: `snapshot-00000012.vti`, for flows `.vts`, or
+/// Returns whether the name is that of a snapshot file: `snapshot-00000012.vti`, for flows `.vts`, or
 /// `joints-00000012.vtp`.
-pub fn is_snapshot(name: &str) -> bool {
+pub fn is_snapshot_name(name: &str) -> bool {
     let fields = || {
         let inner = name.strip_prefix("snapshot-")?;
         inner.strip_suffix(".vti").or_else(|| inner.strip_suffix(".vts"))
@@ -179,9 +181,9 @@ pub fn is_snapshot(name: &str) -> bool {
 }
 
 /// Iterates over the names of all files that a verb may write, except snapshots, the log, the resolved case and the
-/// program version. `--force` removes the files of these names that belong to another case, so that results never
-/// coexist with a case they do not belong to.
-pub fn result_names() -> impl Iterator<Item = &'static str> {
+/// program version. `--force` removes files of these names that belong to another case, so that a folder contains
+/// results of one case only.
+pub fn result_file_names() -> impl Iterator<Item = &'static str> {
     let own = MAP_FILES
         .into_iter()
         .chain(POINT_FILES)
@@ -194,36 +196,37 @@ pub fn result_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Returns whether the name is that of a file of a simulation, except for log and lock.
-pub(super) fn is_run_file(name: &str) -> bool {
-    is_snapshot(name) || (RUN_FILES.contains(&name) && name != AppendedFile::Lock.name())
+pub(super) fn is_run_file_name(name: &str) -> bool {
+    is_snapshot_name(name) || (RUN_FILES.contains(&name) && name != AppendedFile::Lock.name())
 }
 
 /// Returns whether a file of that name has an entry in the checksum list.
 pub(super) fn has_checksum(name: &str) -> bool {
-    let is_transient =
+    let is_transient_name =
         [AppendedFile::Lock, AppendedFile::Checkpoint].into_iter().any(|file| file.name() == name);
-    (is_result_name(name) && !is_transient && name != Checksums::FILE_NAME)
+    (is_result_file_name(name) && !is_transient_name && name != Checksums::FILE_NAME)
         || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }
 
-/// Returns whether a file of that name is temporary or a lock; such files do not count when the origin of the folder's
-/// results is determined.
-pub(super) fn is_transient(name: &str) -> bool {
-    is_temporary(name) || [AppendedFile::Lock.name(), PUBLICATION_LOCK_FILE].contains(&name)
+/// Returns whether a file of that name is temporary or a lock; such files are ignored when the case and program version
+/// of the results are determined.
+pub(super) fn is_transient_name(name: &str) -> bool {
+    is_temporary_name(name) || [AppendedFile::Lock.name(), PUBLICATION_LOCK_FILE].contains(&name)
 }
 
-/// Returns whether the name is that of a snapshot or one of the [`result_names`].
-pub(super) fn is_result_name(name: &str) -> bool {
-    is_snapshot(name) || result_names().any(|known| known == name)
+/// Returns whether the name is that of a snapshot or one of the [`result_file_names`].
+pub(super) fn is_result_file_name(name: &str) -> bool {
+    is_snapshot_name(name) || result_file_names().any(|known| known == name)
 }
 
 /// Returns whether the name is that of a temporary file of this program: `.<name>.<process id>-<count>.partial`, where
 /// `<name>` is that of a file that a verb writes. Other hidden files are left untouched.
-pub(super) fn is_temporary(name: &str) -> bool {
+pub(super) fn is_temporary_name(name: &str) -> bool {
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {
         let is_number = process.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
-        let is_own = is_result_name(name) || [CASE_FILE, PROGRAM_FILE, PROBE_FILE].contains(&name);
+        let is_own =
+            is_result_file_name(name) || [CASE_FILE, PROGRAM_FILE, PROBE_FILE_STEM].contains(&name);
         is_number && is_own
     })
 }

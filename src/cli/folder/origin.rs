@@ -1,14 +1,14 @@
-//! Origin of the results of a folder: program version and case.
+//! Origin of the results in a folder: the program version and the case that produced them.
 
-use super::names::{CASE_FILE, PROGRAM_FILE, is_result_name, is_transient};
+use super::names::{CASE_FILE, PROGRAM_FILE, is_result_file_name, is_transient_name};
 use super::{OutputError, list_file_names};
 use files::read_regular_file;
 use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Serialises the content of [`PROGRAM_FILE`] as JSON; `without_plot_options` is the case without plot options, as
-/// TOML.
+/// Serialises the content of [`PROGRAM_FILE`] as JSON; `without_plot_options` is the TOML text of the case without its
+/// plot options.
 pub(super) fn serialise_program_file(without_plot_options: &str) -> Vec<u8> {
     format!("{:#}\n", describe_program(without_plot_options)).into_bytes()
 }
@@ -23,15 +23,15 @@ fn describe_program(without_plot_options: &str) -> Value {
     })
 }
 
-/// Comparison of the origin of a folder's results, program version and case, with this program and a case.
-pub(super) struct Origin {
-    /// Whether the results are by this version and commit of the program.
+/// Comparison of the program version and case that produced the results in a folder with this program and a case.
+pub(super) struct ResultOrigin {
+    /// Whether this version and commit of the program produced the results.
     pub(super) is_same_version: bool,
-    /// Whether the results are of this case, plot options aside.
+    /// Whether the results are those of this case, apart from plot options.
     pub(super) is_same_case: bool,
 }
 
-impl Origin {
+impl ResultOrigin {
     /// Compares [`PROGRAM_FILE`] of the folder with this program and case; an absent file matches neither.
     pub(super) fn from_folder(
         folder: &Path,
@@ -50,27 +50,27 @@ impl Origin {
     }
 }
 
-pub(super) fn has_content(path: &Path, text: &str) -> bool {
+pub(super) fn has_equal_content(path: &Path, text: &str) -> bool {
     read_regular_file(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
-/// Returns why the content of the folder must not be overwritten without `--force`; `None` if it may.
-pub(super) fn find_foreign_content(
+/// Returns the reason why the content of the folder must not be overwritten without `--force`; `None` if it may.
+pub(super) fn overwrite_refusal_reason(
     folder: &Path,
     case: &str,
     without_plot_options: &str,
 ) -> Result<Option<&'static str>, OutputError> {
     let mut names = list_file_names(folder)?;
-    names.retain(|name| !is_transient(name));
+    names.retain(|name| !is_transient_name(name));
     if names.is_empty() {
         return Ok(None);
     }
-    if !has_content(&folder.join(CASE_FILE), case) {
+    if !has_equal_content(&folder.join(CASE_FILE), case) {
         return Ok(Some("the folder holds something other than results of this case"));
     }
-    // A run killed early may have written only the case, without results of other origin.
-    let has_origin = names.iter().any(|name| name == PROGRAM_FILE || is_result_name(name));
-    let origin = Origin::from_folder(folder, without_plot_options)?;
+    // A run that was killed early may have written only the case file, without results.
+    let has_origin = names.iter().any(|name| name == PROGRAM_FILE || is_result_file_name(name));
+    let origin = ResultOrigin::from_folder(folder, without_plot_options)?;
     Ok(match has_origin {
         true if !origin.is_same_version => {
             Some("the folder holds results of another version of this program")

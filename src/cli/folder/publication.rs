@@ -1,26 +1,27 @@
 //! Publication of all files of a verb at once.
 
-use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_result_name};
-use super::{AppendedFile, OutputError, ResultFolder, remove_if_exists, write_error};
+use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_result_file_name};
+use super::{AppendedFile, OutputError, ResultFolder, create_write_error, remove_file_if_exists};
 use files::{FileDigest, StagedFile, stage_file_with};
 use std::io::Write as _;
 
-/// Kind of a publication: origin of its files.
+/// Kind of the published files, by the verb that produced them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum PublicationKind {
-    /// A verb that computes results of a case.
+    /// Results of a case, from a verb that computes them.
     CaseResults,
-    /// Redrawn pictures of a finished run.
+    /// Pictures of a finished run, from the verb `plot`.
     RedrawnPictures,
 }
 
-/// Files of a verb, completely written under temporary names; files that have not been published are removed on drop.
+/// Files of a verb that have been written under temporary names; files that have not been published are removed on
+/// drop.
 pub struct Publication<'a> {
     folder: &'a ResultFolder,
     kind: PublicationKind,
     staged_files: Vec<(String, StagedFile, FileDigest)>,
     /// Names of files to be removed at publication if they exist.
-    removed_names: Vec<String>,
+    names_to_remove: Vec<String>,
 }
 
 impl ResultFolder {
@@ -30,7 +31,7 @@ impl ResultFolder {
             folder: self,
             kind: PublicationKind::CaseResults,
             staged_files: Vec::new(),
-            removed_names: Vec::new(),
+            names_to_remove: Vec::new(),
         }
     }
 
@@ -40,45 +41,45 @@ impl ResultFolder {
             folder: self,
             kind: PublicationKind::RedrawnPictures,
             staged_files: Vec::new(),
-            removed_names: Vec::new(),
+            names_to_remove: Vec::new(),
         }
     }
 }
 
 impl Publication<'_> {
-    /// Adds one of the [`result_names`](super::result_names) under a temporary name.
+    /// Adds one of the [`result_file_names`](super::result_file_names) under a temporary name.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn stage_file(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
-        debug_assert!(is_result_name(name), "{name} is not listed");
+        debug_assert!(is_result_file_name(name), "{name} is not listed");
         let path = self.folder.path.join(name);
         let staged = stage_file_with(&path, |file| file.write_all(bytes));
-        let staged = staged.map_err(|error| write_error(&path, &error))?;
+        let staged = staged.map_err(|error| create_write_error(&path, &error))?;
         self.staged_files.push((name.to_owned(), staged, FileDigest::from_bytes(bytes)));
         Ok(())
     }
 
-    /// Marks one of the [`result_names`](super::result_names) for removal if it exists.
+    /// Marks one of the [`result_file_names`](super::result_file_names) for removal if it exists.
     pub fn schedule_removal(&mut self, name: &str) {
-        self.removed_names.push(name.to_owned());
+        self.names_to_remove.push(name.to_owned());
     }
 
-    /// Publishes all files with resolved case, program version and checksums, and removes results of another case and
-    /// leftovers of killed processes. The files of a run in progress are untouched.
+    /// Publishes all files with the resolved case, the program version and checksums, and removes results of another
+    /// case and files of killed processes. The files of a run in progress are not changed.
     ///
     /// # Errors
     /// The folder meanwhile received other content or a run in progress, its finished run was removed, the publication
     /// lock cannot be acquired, the checksum list is damaged, or a file cannot be written or removed.
     pub fn publish(self) -> Result<(), OutputError> {
-        let Self { folder, kind, staged_files, removed_names } = self;
-        let _brief = folder.lock_for_publication()?;
+        let Self { folder, kind, staged_files, names_to_remove: removed_names } = self;
+        let _brief = folder.acquire_publication_lock()?;
         let lives = folder.has_run_lock();
         match kind {
             PublicationKind::CaseResults => {
-                if folder.check_foreign_results()? {
+                if folder.has_foreign_results()? {
                     if lives {
-                        return Err(folder.active_run_error());
+                        return Err(folder.create_active_run_error());
                     }
                     folder.remove_results()?;
                 }
@@ -86,15 +87,15 @@ impl Publication<'_> {
             PublicationKind::RedrawnPictures
                 if lives || !folder.path.join(FINISHED_RUN_FILE).exists() =>
             {
-                return Err(folder.active_run_error());
+                return Err(folder.create_active_run_error());
             }
             PublicationKind::RedrawnPictures => {}
         }
         folder.remove_abandoned_files()?;
         if !lives && folder.path.join(FINISHED_RUN_FILE).exists() {
-            // These files were left by a run killed after its last result was written.
-            remove_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
-            remove_if_exists(&folder.file_path(AppendedFile::Lock))?;
+            // A run that was killed after it had written its last result left these files.
+            remove_file_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
+            remove_file_if_exists(&folder.file_path(AppendedFile::Lock))?;
         }
         let mut list = folder.load_checksums()?;
         let changed = staged_files
@@ -109,10 +110,10 @@ impl Publication<'_> {
         if kind == PublicationKind::CaseResults && !lives {
             folder.write_origin()?;
         }
-        removed_names.iter().try_for_each(|name| remove_if_exists(&folder.path.join(name)))?;
+        removed_names.iter().try_for_each(|name| remove_file_if_exists(&folder.path.join(name)))?;
         for (name, staged, written) in staged_files {
             let path = folder.path.join(&name);
-            staged.publish().map_err(|error| write_error(&path, &error))?;
+            staged.publish().map_err(|error| create_write_error(&path, &error))?;
             list.insert(&name, written);
         }
         match kind {
@@ -121,7 +122,7 @@ impl Publication<'_> {
                     list.insert(name, FileDigest::from_bytes(&bytes));
                 }
             }
-            // The plot options in the case file may have been edited, hence its present checksum is recorded.
+            // The user may have edited the plot options in the case file, hence its present checksum is recorded.
             PublicationKind::RedrawnPictures => {
                 folder.add_current_checksums(&mut list, &[CASE_FILE, PROGRAM_FILE])?
             }

@@ -1,13 +1,13 @@
 //! Results folders of simulations: locking, resuming and redrawing.
 
-use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_run_file};
-use super::origin::Origin;
+use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_run_file_name};
+use super::origin::ResultOrigin;
 use super::{
-    AppendedFile, OutputError, ResultFolder, list_file_names, lock_error, remove_if_exists,
-    write_error, write_file,
+    AppendedFile, OutputError, ResultFolder, create_lock_error, create_write_error,
+    list_file_names, remove_file_if_exists, write_file,
 };
 use crate::case::Case;
-use crate::cli::Error;
+use crate::cli::CommandError;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
 use files::{FileDigest, StagedFile, stage_file_with};
@@ -16,12 +16,12 @@ use std::path::Path;
 
 /// Unfinished run whose folder is locked by this process.
 pub struct UnfinishedRun {
-    /// Results folder.
+    /// Results folder of the unfinished run.
     pub folder: ResultFolder,
-    /// Case of the run.
+    /// Case of the unfinished run.
     pub case: Case,
     /// Run lock of the folder, which excludes other runs.
-    pub lock: Lock,
+    pub run_lock: Lock,
 }
 
 impl ResultFolder {
@@ -30,7 +30,7 @@ impl ResultFolder {
     /// # Errors
     /// The folder holds no run, a finished run, a run in progress, a run of another program version, or a run whose
     /// case was changed after it began.
-    pub fn open_unfinished_run(path: &Path) -> Result<UnfinishedRun, Error> {
+    pub fn open_unfinished_run(path: &Path) -> Result<UnfinishedRun, CommandError> {
         let refused = |cause: &str, remedy| OutputError {
             path: path.to_owned(),
             cause: cause.to_owned(),
@@ -57,14 +57,14 @@ impl ResultFolder {
             return Err(refused("a run of another version of this program", remedy).into());
         }
         folder.check_stored_case()?;
-        Ok(UnfinishedRun { folder, case, lock })
+        Ok(UnfinishedRun { folder, case, run_lock: lock })
     }
 
     /// Opens the folder of a finished run for redrawing and loads its case.
     ///
     /// # Errors
     /// The folder holds no finished run, or its case was changed in more than the plot options.
-    pub fn open_finished_run(path: &Path) -> Result<(Self, Case), Error> {
+    pub fn open_finished_run(path: &Path) -> Result<(Self, Case), CommandError> {
         if !path.join(FINISHED_RUN_FILE).exists() || !path.join(CASE_FILE).is_file() {
             let remedy = "name the folder of results of wellposed run; resume an unfinished one";
             let (path, cause) = (path.to_owned(), "no finished run".to_owned());
@@ -76,7 +76,7 @@ impl ResultFolder {
     }
 
     /// Opens a folder for the case stored in it, and loads that case.
-    pub(super) fn from_stored_case(path: &Path) -> Result<(Self, Case), Error> {
+    pub(super) fn from_stored_case(path: &Path) -> Result<(Self, Case), CommandError> {
         let case = Case::load_simulation(&path.join(CASE_FILE), &[])?;
         let (text, case_without_plot_options) =
             (case.to_toml(), case.without_plot_options().to_toml());
@@ -91,11 +91,11 @@ impl ResultFolder {
         ))
     }
 
-    fn read_origin(&self) -> Result<Origin, OutputError> {
-        Origin::from_folder(&self.path, &self.case_without_plot_options)
+    fn read_origin(&self) -> Result<ResultOrigin, OutputError> {
+        ResultOrigin::from_folder(&self.path, &self.case_without_plot_options)
     }
 
-    /// Checks that the case in the folder is the one with which its run began, plot options aside.
+    /// Checks that the case in the folder is the one with which its run began, apart from plot options.
     fn check_stored_case(&self) -> Result<(), OutputError> {
         let origin = self.read_origin()?;
         if origin.is_same_case {
@@ -117,9 +117,9 @@ impl ResultFolder {
     ///
     /// # Errors
     /// A run is in progress, or an existing run would be discarded; the error states the remedy.
-    pub fn check_startable(&self) -> Result<(), OutputError> {
+    pub fn check_run_may_start(&self) -> Result<(), OutputError> {
         if self.has_active_run()? {
-            Err(self.active_run_error())
+            Err(self.create_active_run_error())
         } else {
             self.check_existing_runs()
         }
@@ -143,7 +143,7 @@ impl ResultFolder {
 
     /// Acquires the run lock, held until the returned value is dropped; changes nothing else.
     fn lock_run(&self) -> Result<Lock, OutputError> {
-        let _brief = self.lock_for_publication()?;
+        let _brief = self.acquire_publication_lock()?;
         self.acquire_run_lock()
     }
 
@@ -151,24 +151,24 @@ impl ResultFolder {
     fn acquire_run_lock(&self) -> Result<Lock, OutputError> {
         let path = self.file_path(AppendedFile::Lock);
         Lock::try_acquire(&path).map_err(|error| match error {
-            LockError::Busy => self.active_run_error(),
-            LockError::Io(error) => lock_error(&path, &error),
+            LockError::Busy => self.create_active_run_error(),
+            LockError::Io(error) => create_lock_error(&path, &error),
         })
     }
 
     /// Prepares the folder for a run from its beginning: removes files of earlier runs, results of another case if
-    /// allowed, and leftovers of killed processes.
+    /// allowed, and files of killed processes.
     ///
     /// # Errors
     /// The folder may not be used for a run, or a file cannot be written or removed.
     pub fn begin_run(&self) -> Result<RunFolder<'_>, OutputError> {
-        let _brief = self.lock_for_publication()?;
+        let _brief = self.acquire_publication_lock()?;
         let lock = self.acquire_run_lock()?;
-        let is_foreign = self.check_foreign_results()?;
+        let is_foreign = self.has_foreign_results()?;
         if !is_foreign {
             self.check_existing_runs()?;
         }
-        self.clear_for_run(is_foreign)?;
+        self.remove_files_before_run(is_foreign)?;
         Ok(RunFolder::new(self, lock))
     }
 
@@ -177,12 +177,12 @@ impl ResultFolder {
     /// # Errors
     /// A file cannot be written or removed.
     pub fn restart_run(&self, lock: Lock) -> Result<RunFolder<'_>, OutputError> {
-        let _brief = self.lock_for_publication()?;
-        self.clear_for_run(false)?;
+        let _brief = self.acquire_publication_lock()?;
+        self.remove_files_before_run(false)?;
         Ok(RunFolder::new(self, lock))
     }
 
-    fn clear_for_run(&self, is_foreign: bool) -> Result<(), OutputError> {
+    fn remove_files_before_run(&self, is_foreign: bool) -> Result<(), OutputError> {
         self.remove_abandoned_files()?;
         match is_foreign {
             true => self.remove_results()?,
@@ -191,15 +191,15 @@ impl ResultFolder {
         self.write_origin()?;
         let names = list_file_names(&self.path)?;
         let mut own =
-            names.iter().filter(|name| is_run_file(name) || *name == AppendedFile::Log.name());
-        own.try_for_each(|name| remove_if_exists(&self.path.join(name)))
+            names.iter().filter(|name| is_run_file_name(name) || *name == AppendedFile::Log.name());
+        own.try_for_each(|name| remove_file_if_exists(&self.path.join(name)))
     }
 }
 
 /// Folder of a run in progress, locked against other runs until dropped.
 pub struct RunFolder<'a> {
     folder: &'a ResultFolder,
-    lock: Lock,
+    run_lock: Lock,
     /// Lengths and checksums of the files written so far.
     checksums: Checksums,
     /// Staged report, published last: its existence marks the run as finished.
@@ -208,7 +208,7 @@ pub struct RunFolder<'a> {
 
 impl<'a> RunFolder<'a> {
     fn new(folder: &'a ResultFolder, lock: Lock) -> Self {
-        Self { folder, lock, checksums: Checksums::default(), staged_report: None }
+        Self { folder, run_lock: lock, checksums: Checksums::default(), staged_report: None }
     }
 
     /// Opens the folder of a run resumed from a checkpoint. The files written before it are kept; their checksums must
@@ -217,7 +217,7 @@ impl<'a> RunFolder<'a> {
     /// # Errors
     /// Leftovers of killed processes cannot be removed.
     pub fn from_checkpoint(folder: &'a ResultFolder, lock: Lock) -> Result<Self, OutputError> {
-        let _brief = folder.lock_for_publication()?;
+        let _brief = folder.acquire_publication_lock()?;
         folder.remove_abandoned_files()?;
         Ok(Self::new(folder, lock))
     }
@@ -228,11 +228,11 @@ impl<'a> RunFolder<'a> {
     /// # Errors
     /// The file cannot be written.
     pub fn write_result(&mut self, name: &str, bytes: &[u8]) -> Result<FileDigest, OutputError> {
-        debug_assert!(is_run_file(name), "{name} is not listed");
+        debug_assert!(is_run_file_name(name), "{name} is not listed");
         let path = self.folder.path.join(name);
         if name == FINISHED_RUN_FILE {
             let staged = stage_file_with(&path, |file| file.write_all(bytes));
-            self.staged_report = Some(staged.map_err(|error| write_error(&path, &error))?);
+            self.staged_report = Some(staged.map_err(|error| create_write_error(&path, &error))?);
         } else {
             write_file(&path, bytes)?;
         }
@@ -246,13 +246,13 @@ impl<'a> RunFolder<'a> {
         self.checksums.insert(name, written);
     }
 
-    /// Removes one of the [`result_names`](super::result_names) if it exists.
+    /// Removes one of the [`result_file_names`](super::result_file_names) if it exists.
     ///
     /// # Errors
     /// The file cannot be removed.
     pub fn remove_result(&mut self, name: &str) -> Result<(), OutputError> {
         self.checksums.remove(name);
-        remove_if_exists(&self.folder.path.join(name))
+        remove_file_if_exists(&self.folder.path.join(name))
     }
 
     /// Finishes the run: writes the checksums of all its files, publishes the report, and removes the checkpoint and
@@ -261,17 +261,17 @@ impl<'a> RunFolder<'a> {
     /// # Errors
     /// A file cannot be written or removed.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { folder, lock, checksums: own, staged_report } = self;
-        let _brief = folder.lock_for_publication()?;
+        let Self { folder, run_lock: lock, checksums: own, staged_report } = self;
+        let _brief = folder.acquire_publication_lock()?;
         let mut checksums = folder.load_checksums_or_empty();
         own.iter().for_each(|(name, written)| checksums.insert(name, written));
         folder.add_current_checksums(&mut checksums, &[CASE_FILE, PROGRAM_FILE])?;
         folder.write_checksums(&checksums)?;
         if let Some(staged_report) = staged_report {
             let path = folder.path.join(FINISHED_RUN_FILE);
-            staged_report.publish().map_err(|error| write_error(&path, &error))?;
+            staged_report.publish().map_err(|error| create_write_error(&path, &error))?;
         }
-        remove_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
+        remove_file_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
         drop(lock.with_removal_on_drop());
         Ok(())
     }

@@ -1,9 +1,9 @@
 //! Verification of the files of a results folder against their checksums.
 
 use super::checksums::{Damage, read_checksums};
-use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, has_checksum, is_run_file};
+use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, has_checksum, is_run_file_name};
 use super::{AppendedFile, OutputError, ResultFolder, list_file_names};
-use crate::cli::Error;
+use crate::cli::CommandError;
 use crate::cli::run::Checkpoint;
 use files::FileDigest;
 use files::checksums::Checksums;
@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Result of the verification of a folder.
 #[derive(Clone, Debug, Serialize)]
-pub struct Verification {
+pub struct VerificationResult {
     /// Number of files checked.
     #[serde(rename = "files")]
     pub file_count: usize,
@@ -23,20 +23,20 @@ pub struct Verification {
     pub damaged_files: Vec<Damage>,
 }
 
-/// Compares all result files of a folder except the log with their checksums, and files of an unfinished run with the
+/// Compares all result files of a folder, except the log, with their checksums, and files of an unfinished run with the
 /// last checkpoint of that run. Files of other programs are ignored.
 ///
 /// # Errors
 /// The folder holds no results or cannot be read.
-pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
+pub fn verify_folder(path: &Path) -> Result<VerificationResult, CommandError> {
     let names = list_file_names(path)?;
     let holds = |name: &str| names.iter().any(|own| own == name);
-    let is_result_name = |name: &String| {
+    let is_result_file_name = |name: &String| {
         (has_checksum(name) && name != CASE_FILE)
-            || is_run_file(name)
+            || is_run_file_name(name)
             || name == Checksums::FILE_NAME
     };
-    if !names.iter().any(is_result_name) {
+    if !names.iter().any(is_result_file_name) {
         return Err(OutputError {
             path: path.to_owned(),
             cause: "holds no results".into(),
@@ -48,7 +48,7 @@ pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
     let list = read_checksums(path);
     let is_listed_finished =
         matches!(&list, Ok(Some(own)) if own.digest(FINISHED_RUN_FILE).is_some());
-    let has_files = names.iter().any(|name| is_run_file(name)) && !is_listed_finished;
+    let has_files = names.iter().any(|name| is_run_file_name(name)) && !is_listed_finished;
     let is_unfinished = !holds(FINISHED_RUN_FILE) && (has_begun || has_files);
     let mut all = Vec::new();
     let mut file_count = 0;
@@ -57,12 +57,12 @@ pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
         all.extend(Damage::detect(path, name, written));
     };
     if let Ok(Some(list)) = &list {
-        // A run that finishes writes its checksums just before it publishes its report. If it was killed in between, it
-        // counts as unfinished, and its files are compared with the checkpoint.
-        let own = list.iter().filter(|(name, _)| !(is_unfinished && is_run_file(name)));
+        // A finishing run writes its checksums just before it publishes its report. If it was killed between the two,
+        // it counts as unfinished, and its files are compared with the checkpoint.
+        let own = list.iter().filter(|(name, _)| !(is_unfinished && is_run_file_name(name)));
         own.for_each(|(name, written)| check(name, written));
     }
-    let is_due = |name: &str| has_checksum(name) && !(is_unfinished && is_checksum_deferred(name));
+    let is_due = |name: &str| has_checksum(name) && !(is_unfinished && has_deferred_checksum(name));
     match list {
         Err(found) => all.push(Damage::new(Checksums::FILE_NAME, found)),
         Ok(None) if names.iter().any(|name| is_due(name)) => {
@@ -78,17 +78,17 @@ pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
     if is_unfinished {
         file_count += check_unfinished_run(path, &mut all)?;
     }
-    all.sort_by(|one, other| one.file.cmp(&other.file));
-    Ok(Verification { file_count, is_unfinished, damaged_files: all })
+    all.sort_by(|one, other| one.file_name.cmp(&other.file_name));
+    Ok(VerificationResult { file_count, is_unfinished, damaged_files: all })
 }
 
 /// Returns whether a file gets its checksum entry only when its run finishes.
-fn is_checksum_deferred(name: &str) -> bool {
-    is_run_file(name) || [CASE_FILE, PROGRAM_FILE].contains(&name)
+fn has_deferred_checksum(name: &str) -> bool {
+    is_run_file_name(name) || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }
 
 /// Compares the files of an unfinished run with its last checkpoint; returns the number of files checked.
-fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Error> {
+fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, CommandError> {
     let (folder, case) = match ResultFolder::from_stored_case(path) {
         Ok(found) => found,
         Err(error) => {
@@ -105,7 +105,7 @@ fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Err
             return Ok(2);
         }
     };
-    let tables = checkpoint.table_files(&case)?;
+    let tables = checkpoint.list_table_files(&case)?;
     for (file, written) in &tables {
         match FileDigest::from_prefix(&folder.file_path(*file), written.length) {
             Ok(found) if found == *written => {}
@@ -113,9 +113,9 @@ fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Err
             Err(error) => all.push(Damage::new(file.name(), format!("cannot be read: {error}"))),
         }
     }
-    let names = (0..).flat_map(|index| super::snapshot_files(&case, index));
-    for (name, written) in names.zip(&checkpoint.snapshots) {
+    let names = (0..).flat_map(|index| super::snapshot_file_names(&case, index));
+    for (name, written) in names.zip(&checkpoint.snapshot_digests) {
         all.extend(Damage::detect(path, &name, *written));
     }
-    Ok(2 + tables.len() + checkpoint.snapshots.len())
+    Ok(2 + tables.len() + checkpoint.snapshot_digests.len())
 }

@@ -1,9 +1,9 @@
 //! Animation of the snapshots in a results folder.
 
 use crate::case::Case;
-use crate::cli::Error;
+use crate::cli::CommandError;
 use crate::cli::folder::{
-    OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot, joint_snapshot_name,
+    OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot_name, joint_snapshot_file_name,
 };
 use crate::report::run::{AnimationFrame, FrameConverter, FrameScale};
 use files::read_regular_file;
@@ -12,10 +12,10 @@ use std::path::Path;
 /// File name of the animation.
 pub(in crate::cli) const ANIMATION_FILE: &str = "animation.gif";
 
-/// Animation to be written to a folder.
+/// Animation that is to be written to a results folder, if any.
 pub(in crate::cli) enum AnimationOutput {
     /// The case requests no snapshots, or there are fewer than two.
-    Absent,
+    NoAnimation,
     /// All values are zero. An existing animation, which shows another quantity, must be removed.
     AllZero,
     /// Content of the GIF file.
@@ -29,14 +29,14 @@ pub(in crate::cli) enum AnimationOutput {
 pub(in crate::cli) fn draw_animation(
     case: &Case,
     folder: &ResultFolder,
-) -> Result<AnimationOutput, Error> {
-    let Some(frames) = FrameConverter::new(case)? else { return Ok(AnimationOutput::Absent) };
+) -> Result<AnimationOutput, CommandError> {
+    let Some(frames) = FrameConverter::new(case)? else { return Ok(AnimationOutput::NoAnimation) };
     let list = folder.path().join(SNAPSHOT_LIST_FILE);
     let unreadable = |path: &Path, error| OutputError::from_read_error(path, &error);
     let bytes = read_regular_file(&list).map_err(|error| unreadable(&list, error))?;
     let names = files::vti::parse_collection(&String::from_utf8_lossy(&bytes));
     // A list with other names was not written by this program.
-    if let Some(odd) = names.iter().find(|name| !is_snapshot(name)) {
+    if let Some(odd) = names.iter().find(|name| !is_snapshot_name(name)) {
         return Err(OutputError::from_invalid_content(
             &list,
             format!("names '{odd}', no snapshot"),
@@ -44,11 +44,11 @@ pub(in crate::cli) fn draw_animation(
         .into());
     }
     if names.len() < 2 {
-        return Ok(AnimationOutput::Absent);
+        return Ok(AnimationOutput::NoAnimation);
     }
     // Snapshots are read twice, for the scale and for the frames, to limit memory.
     let all = || {
-        names.iter().enumerate().map(|(index, name)| -> Result<AnimationFrame, Error> {
+        names.iter().enumerate().map(|(index, name)| -> Result<AnimationFrame, CommandError> {
             let read =
                 |path: &Path| read_regular_file(path).map_err(|error| unreadable(path, error));
             let path = folder.path().join(name);
@@ -56,7 +56,7 @@ pub(in crate::cli) fn draw_animation(
                 .read_frame(&read(&path)?)
                 .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
             if frames.has_joints() {
-                let path = folder.path().join(joint_snapshot_name(index));
+                let path = folder.path().join(joint_snapshot_file_name(index));
                 frames
                     .read_joints(&mut frame, &read(&path)?)
                     .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
@@ -65,7 +65,7 @@ pub(in crate::cli) fn draw_animation(
         })
     };
     let scale = all().try_fold(FrameScale::default(), |scale, frame| {
-        Ok::<_, Error>(scale.max(frame?.scale()))
+        Ok::<_, CommandError>(scale.max(frame?.scale()))
     })?;
     if scale.max_magnitude == 0.0 {
         return Ok(AnimationOutput::AllZero);

@@ -1,7 +1,7 @@
 //! Checkpoint of a run: the state, and the lengths and checksums of its tables and snapshots.
 
 use crate::case::{Case, TimeDomainRun};
-use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, write_error};
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, create_write_error};
 use dynamics::simulation::SimulationState;
 use files::FileDigest;
 use files::section_file::{SectionFileProblem, read_sections, write_sections};
@@ -11,26 +11,26 @@ use std::io::ErrorKind;
 
 /// Checkpoint of a simulation of a solid or a flow.
 pub(in crate::cli) struct Checkpoint {
-    /// Lengths and checksums of the tables: receivers if any, ledger, for flows spectrum.
-    pub(in crate::cli) tables: Vec<FileDigest>,
+    /// Lengths and checksums of the tables in the order receivers (if any), ledger, spectrum (flows only).
+    pub(in crate::cli) table_digests: Vec<FileDigest>,
     /// Lengths and checksums of the files of all snapshots so far, by index.
-    pub(in crate::cli) snapshots: Vec<FileDigest>,
-    /// State of the solver.
-    pub(in crate::cli) state: SimulationState,
+    pub(in crate::cli) snapshot_digests: Vec<FileDigest>,
+    /// Complete state of the solver.
+    pub(in crate::cli) solver_state: SimulationState,
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint atomically.
+    /// Writes the checkpoint to the results folder atomically.
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
-        let SimulationState { steps, time, initial_energy, sections: numbers } = &self.state;
+        let SimulationState { steps, time, initial_energy, sections: numbers } = &self.solver_state;
         let pairs = |files: &[FileDigest]| -> Vec<[u64; 2]> {
             files.iter().map(|own| [own.length, own.checksum.into()]).collect()
         };
         let about = json!({
             "steps": steps,
             "time": time.to_bits(),
-            "tables": pairs(&self.tables),
-            "snapshots": pairs(&self.snapshots),
+            "tables": pairs(&self.table_digests),
+            "snapshots": pairs(&self.snapshot_digests),
             "start": initial_energy.to_bits(),
         })
         .to_string();
@@ -40,7 +40,7 @@ impl Checkpoint {
         ];
         sections.extend(numbers.iter().map(|(name, own)| (name.as_str(), own.as_slice())));
         let path = folder.file_path(AppendedFile::Checkpoint);
-        write_sections(&path, &sections).map_err(|error| write_error(&path, &error))
+        write_sections(&path, &sections).map_err(|error| create_write_error(&path, &error))
     }
 
     /// Reads the checkpoint of a folder; `None` if the run had not written one yet.
@@ -88,7 +88,7 @@ impl Checkpoint {
             initial_energy: f64::from_bits(start),
             sections,
         };
-        Ok(Some(Self { tables, snapshots, state }))
+        Ok(Some(Self { table_digests: tables, snapshot_digests: snapshots, solver_state: state }))
     }
 
     /// Returns the tables covered by the checkpoint with their lengths and checksums, in the order in which a run of
@@ -96,7 +96,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// The case has no simulation.
-    pub(in crate::cli) fn table_files(
+    pub(in crate::cli) fn list_table_files(
         &self,
         case: &Case,
     ) -> Result<Vec<(AppendedFile, FileDigest)>, crate::Error> {
@@ -109,11 +109,11 @@ impl Checkpoint {
             Some(AppendedFile::Ledger),
             case.flow_run.is_some().then_some(AppendedFile::Spectrum),
         ];
-        Ok(all.into_iter().flatten().zip(self.tables.iter().copied()).collect())
+        Ok(all.into_iter().flatten().zip(self.table_digests.iter().copied()).collect())
     }
 
     /// Creates the error that the saved solver state does not match the fields of the case.
-    pub(in crate::cli) fn mismatch_error(folder: &ResultFolder) -> OutputError {
+    pub(in crate::cli) fn create_mismatch_error(folder: &ResultFolder) -> OutputError {
         let path = folder.file_path(AppendedFile::Checkpoint);
         OutputError::from_invalid_content(&path, "its fields are not those of the case")
     }

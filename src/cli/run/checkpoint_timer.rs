@@ -2,7 +2,7 @@
 
 use super::RunContext;
 use super::run_files::RunFiles;
-use crate::cli::Error;
+use crate::cli::CommandError;
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
 use crate::study::simulate::RunProgress;
@@ -10,14 +10,14 @@ use std::time::Instant;
 
 /// Timer that writes checkpoints when they are due.
 pub(super) struct CheckpointTimer<'a> {
-    context: &'a RunContext<'a>,
+    run_context: &'a RunContext<'a>,
     /// Wall-clock time of the last checkpoint.
-    last_checkpoint: Instant,
+    last_checkpoint_time: Instant,
 }
 
 impl<'a> CheckpointTimer<'a> {
     pub(super) fn new(context: &'a RunContext<'a>) -> Self {
-        Self { context, last_checkpoint: Instant::now() }
+        Self { run_context: context, last_checkpoint_time: Instant::now() }
     }
 
     /// Writes a checkpoint if the checkpoint interval has passed or a signal was received. A signal then ends the run,
@@ -25,15 +25,15 @@ impl<'a> CheckpointTimer<'a> {
     ///
     /// # Errors
     /// The run is interrupted, or the checkpoint cannot be written.
-    pub(super) fn write_if_due(
+    pub(super) fn write_checkpoint_if_due(
         &mut self,
         files: &mut RunFiles,
         progress: &RunProgress,
-    ) -> Result<(), Error> {
+    ) -> Result<(), CommandError> {
         let is_interrupted = signals::is_interrupted();
         if !is_interrupted
-            && self.last_checkpoint.elapsed().as_secs_f64()
-                <= self.context.checkpoint_settings.interval
+            && self.last_checkpoint_time.elapsed().as_secs_f64()
+                <= self.run_context.checkpoint_settings.interval
         {
             return Ok(());
         }
@@ -41,13 +41,13 @@ impl<'a> CheckpointTimer<'a> {
             signals::set_stage(ProgramStage::WritingCheckpoint);
         }
         let checkpoint = files.create_checkpoint((progress.save_state)())?;
-        checkpoint.write(self.context.folder)?;
-        files.append_log(&format!("checkpoint at step {}", checkpoint.state.steps));
-        self.last_checkpoint = Instant::now();
+        checkpoint.write(self.run_context.folder)?;
+        files.append_log(&format!("checkpoint at step {}", checkpoint.solver_state.steps));
+        self.last_checkpoint_time = Instant::now();
         if is_interrupted && !progress.is_finished {
-            return Err(Error::Interrupted {
-                time: format_short(checkpoint.state.time),
-                folder: self.context.folder.path().display().to_string(),
+            return Err(CommandError::Interrupted {
+                simulated_time: format_short(checkpoint.solver_state.time),
+                folder: self.run_context.folder.path().display().to_string(),
             });
         }
         Ok(())

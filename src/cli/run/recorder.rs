@@ -5,7 +5,7 @@ use super::checkpoint::Checkpoint;
 use super::checkpoint_timer::CheckpointTimer;
 use super::run_files::{RunFiles, read_records};
 use crate::Error;
-use crate::cli::folder::{RunFolder, has_joint_files, snapshot_files};
+use crate::cli::folder::{RunFolder, has_joint_files, snapshot_file_names};
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
@@ -18,34 +18,34 @@ use files::lock::Lock;
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
 
-/// Number of increments of the progress bar.
-const PROGRESS_STEPS: f64 = 1000.0;
+/// Number of increments of the progress bar over the duration of a run.
+const PROGRESS_BAR_INCREMENTS: f64 = 1000.0;
 
-/// Starting point of the computation by this process.
+/// Point of the run at which this process started to compute.
 struct RunStart {
-    /// Wall-clock time of the start.
-    clock: Instant,
-    /// Number of steps done before by the interrupted run; 0 unless resumed.
-    steps: usize,
+    /// Wall-clock time at which this process started to compute.
+    wall_time: Instant,
+    /// Number of steps that earlier processes of the run have done; 0 unless resumed.
+    step_count: usize,
     /// Simulated time at which this process starts, s.
-    time: f64,
+    simulated_time: f64,
 }
 
 /// Recorder of the files of a run; holds the run lock of the folder until dropped.
 pub(super) struct FileRecorder<'a> {
-    context: &'a RunContext<'a>,
+    run_context: &'a RunContext<'a>,
     /// Checkpoint to resume from, until the run starts.
     checkpoint: Option<Checkpoint>,
     is_resumed: bool,
-    files: RunFiles<'a>,
-    timer: CheckpointTimer<'a>,
+    run_files: RunFiles<'a>,
+    checkpoint_timer: CheckpointTimer<'a>,
     snapshot_times: Option<RegularTimes>,
     progress_bar: DelayedProgressBar,
-    /// Number of increments that the bar shows.
-    progress_steps: u64,
-    start: RunStart,
+    /// Number of increments that the progress bar has advanced.
+    shown_increments: u64,
+    run_start: RunStart,
     /// Wall-clock time of the last progress line.
-    last_progress_line: Instant,
+    last_progress_line_time: Instant,
 }
 
 impl<'a> FileRecorder<'a> {
@@ -57,16 +57,16 @@ impl<'a> FileRecorder<'a> {
         lock: Option<Lock>,
     ) -> Self {
         Self {
-            context,
+            run_context: context,
             is_resumed: checkpoint.is_some(),
             checkpoint,
-            files: RunFiles::new(context.folder, lock),
-            timer: CheckpointTimer::new(context),
+            run_files: RunFiles::new(context.folder, lock),
+            checkpoint_timer: CheckpointTimer::new(context),
             snapshot_times: None,
-            progress_bar: DelayedProgressBar::new("run", PROGRESS_STEPS as u64),
-            progress_steps: 0,
-            start: RunStart { clock: Instant::now(), steps: 0, time: 0.0 },
-            last_progress_line: Instant::now(),
+            progress_bar: DelayedProgressBar::new("run", PROGRESS_BAR_INCREMENTS as u64),
+            shown_increments: 0,
+            run_start: RunStart { wall_time: Instant::now(), step_count: 0, simulated_time: 0.0 },
+            last_progress_line_time: Instant::now(),
         }
     }
 
@@ -74,40 +74,40 @@ impl<'a> FileRecorder<'a> {
     ///
     /// # Errors
     /// The tables cannot be written.
-    pub(super) fn into_folder(self) -> Result<Option<RunFolder<'a>>, crate::cli::Error> {
-        self.files.into_folder()
+    pub(super) fn into_folder(self) -> Result<Option<RunFolder<'a>>, crate::cli::CommandError> {
+        self.run_files.into_folder()
     }
 
     /// Advances the progress bar to `time` of `duration`, both in s.
     fn advance_progress(&mut self, time: f64, duration: f64) {
-        let steps = (PROGRESS_STEPS * time / duration) as u64;
-        self.progress_bar.advance_by(steps - self.progress_steps);
-        self.progress_steps = steps;
+        let steps = (PROGRESS_BAR_INCREMENTS * time / duration) as u64;
+        self.progress_bar.advance_by(steps - self.shown_increments);
+        self.shown_increments = steps;
     }
 
     /// Prints progress every [`PROGRESS_LINE_INTERVAL`] if standard error is not a terminal.
     fn print_progress(&mut self, progress: &RunProgress) {
         if std::io::stderr().is_terminal()
-            || self.last_progress_line.elapsed() < PROGRESS_LINE_INTERVAL
+            || self.last_progress_line_time.elapsed() < PROGRESS_LINE_INTERVAL
         {
             return;
         }
-        self.last_progress_line = Instant::now();
-        let RunStart { clock, time, .. } = self.start;
+        self.last_progress_line_time = Instant::now();
+        let RunStart { wall_time: clock, simulated_time: time, .. } = self.run_start;
         let rest = (progress.duration - progress.time) / (progress.time - time);
         let part = 100.0 * progress.time / progress.duration;
         let remaining = DisplayTime(clock.elapsed().as_secs_f64() * rest);
         let _ = writeln!(
             std::io::stderr(),
             "{part:.1} %, {} steps, about {remaining} left",
-            progress.steps
+            progress.step_count
         );
     }
 
     /// Returns the number of steps done by this process and their wall time, s.
-    fn step_timing(&self, progress: &RunProgress) -> (usize, f64) {
-        let RunStart { clock, steps, .. } = self.start;
-        (progress.steps - steps, clock.elapsed().as_secs_f64())
+    fn steps_and_wall_time(&self, progress: &RunProgress) -> (usize, f64) {
+        let RunStart { wall_time: clock, step_count: steps, .. } = self.run_start;
+        (progress.step_count - steps, clock.elapsed().as_secs_f64())
     }
 }
 
@@ -124,53 +124,55 @@ impl Recorder for FileRecorder<'_> {
     ) -> Result<(), Error> {
         match self.checkpoint.take() {
             None => {
-                let has_joints = has_joint_files(self.context.case);
-                self.files.create(tables, snapshots.is_some(), has_joints)?;
+                let has_joints = has_joint_files(self.run_context.case);
+                self.run_files.begin_run(tables, snapshots.is_some(), has_joints)?;
             }
             Some(checkpoint) => {
-                let case = self.context.case;
-                let snapshot =
-                    |index| Some((snapshots.as_ref()?.time(index)?, snapshot_files(case, index)));
-                self.files.resume(tables, &checkpoint, restore, snapshot)?;
-                (self.start.steps, self.start.time) =
-                    (checkpoint.state.steps, checkpoint.state.time);
+                let case = self.run_context.case;
+                let snapshot = |index| {
+                    Some((snapshots.as_ref()?.time(index)?, snapshot_file_names(case, index)))
+                };
+                self.run_files.resume_run(tables, &checkpoint, restore, snapshot)?;
+                (self.run_start.step_count, self.run_start.simulated_time) =
+                    (checkpoint.solver_state.steps, checkpoint.solver_state.time);
             }
         }
         self.snapshot_times = snapshots;
-        self.timer = CheckpointTimer::new(self.context);
-        self.start.clock = Instant::now();
+        self.checkpoint_timer = CheckpointTimer::new(self.run_context);
+        self.run_start.wall_time = Instant::now();
         Ok(())
     }
 
     fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
-        Ok(self.files.append_row(table.into(), row)?)
+        Ok(self.run_files.append_row(table.into(), row)?)
     }
 
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
         let Some(times) = self.snapshot_times else { return Ok(()) };
-        let case = self.context.case;
+        let case = self.run_context.case;
         let image = create_image(case, &fields)?;
         let joints = has_joint_files(case)
-            .then(|| create_joint_lines(&fields.joints, fields.time))
+            .then(|| create_joint_lines(&fields.joint_faces, fields.time))
             .transpose()?;
         drop(fields);
-        let names = |index| Some((times.time(index)?, snapshot_files(case, index)));
+        let names = |index| Some((times.time(index)?, snapshot_file_names(case, index)));
         let list: Vec<(f64, Vec<String>)> = (0..=index).map_while(names).collect();
-        Ok(self.files.write_snapshot(&image, joints.as_ref(), &list)?)
+        Ok(self.run_files.write_snapshot(&image, joints.as_ref(), &list)?)
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {
         self.advance_progress(progress.time, progress.duration);
         self.print_progress(progress);
-        self.progress_bar.set_message(format_progress(progress, self.step_timing(progress)));
-        Ok(self.timer.write_if_due(&mut self.files, progress)?)
+        self.progress_bar
+            .set_message(format_progress(progress, self.steps_and_wall_time(progress)));
+        Ok(self.checkpoint_timer.write_checkpoint_if_due(&mut self.run_files, progress)?)
     }
 
     fn begin_replay(&mut self) -> Result<(), Error> {
         signals::set_stage(ProgramStage::Replay);
         match signals::is_interrupted() {
-            true => Err(crate::cli::Error::InterruptedReplay {
-                folder: self.context.folder.path().display().to_string(),
+            true => Err(crate::cli::CommandError::InterruptedReplay {
+                folder: self.run_context.folder.path().display().to_string(),
             }
             .into()),
             false => Ok(()),
@@ -179,38 +181,44 @@ impl Recorder for FileRecorder<'_> {
 
     fn finish(&mut self, progress: &RunProgress) -> Result<RunRecords, Error> {
         signals::set_stage(ProgramStage::WritingResults);
-        self.files.sync_tables()?;
-        self.files.append_log(&format_log_line(progress, self.step_timing(progress)));
-        Ok(read_records(self.context.case, self.context.folder)?)
+        self.run_files.sync_tables()?;
+        self.run_files.append_log(&format_log_line(progress, self.steps_and_wall_time(progress)));
+        Ok(read_records(self.run_context.case, self.run_context.folder)?)
     }
 }
 
-/// Describes the progress of a run; `timing` holds the number of steps done by this process and their wall time, s.
+/// Formats the progress of a run; `timing` contains the number of steps done by this process and their wall time, s.
 fn format_progress(progress: &RunProgress, timing: (usize, f64)) -> String {
     let time = format_short(progress.time);
     match progress.statistics {
-        StepStatistics::Solid { energy, cells, .. } => format!(
+        StepStatistics::Solid { energy, cell_count: cells, .. } => format!(
             "t = {time} s, energy {}, {:.0} million cell-updates/s",
             format_short(energy),
             cell_update_rate(cells, timing)
         ),
-        StepStatistics::Flow { energy, stages, evaluations, iterations, .. } => format!(
+        StepStatistics::Flow {
+            energy,
+            stage_count: stages,
+            evaluation_count: evaluations,
+            iteration_count: iterations,
+            ..
+        } => format!(
             "t = {time} s, energy {}, step {} of {stages} stages, {:.1} iterations of the pressure",
             format_short(energy),
-            progress.steps,
+            progress.step_count,
             iterations as f64 / evaluations.max(1) as f64
         ),
     }
 }
 
-/// Describes the number of steps, their wall time and the speed of a run.
+/// Formats the number of steps, their wall time and the speed of a run.
 fn format_log_line(progress: &RunProgress, (steps, seconds): (usize, f64)) -> String {
     match progress.statistics {
-        StepStatistics::Solid { cells, threads, .. } => format!(
+        StepStatistics::Solid { cell_count: cells, thread_count: threads, .. } => format!(
             "{steps} steps in {seconds:.2} s with {threads} threads: {:.1} million cell-updates/s",
             cell_update_rate(cells, (steps, seconds))
         ),
-        StepStatistics::Flow { threads, .. } => {
+        StepStatistics::Flow { thread_count: threads, .. } => {
             format!("{steps} steps in {seconds:.2} s with {threads} threads")
         }
     }

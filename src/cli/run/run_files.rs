@@ -2,9 +2,10 @@
 
 use super::checkpoint::Checkpoint;
 use crate::case::{Case, TimeDomainRun};
-use crate::cli::Error;
+use crate::cli::CommandError;
 use crate::cli::folder::{
-    AppendedFile, JOINT_LIST_FILE, OutputError, ResultFolder, RunFolder, SNAPSHOT_LIST_FILE,
+    AppendedFile, JOINT_SNAPSHOT_LIST_FILE, OutputError, ResultFolder, RunFolder,
+    SNAPSHOT_LIST_FILE,
 };
 use crate::study::simulate::{
     RecordColumn, RecordTable, RunRecords, TableHeader, TableKind, column_unit,
@@ -16,16 +17,16 @@ use files::vti::{ImageData, LineData, format_collection};
 use files::{FileDigest, read_regular_file};
 use std::io::Write as _;
 
-/// Tables and snapshots of a run, and the folder that holds them.
+/// Tables and snapshots that a run writes, and the folder that contains them.
 pub(super) struct RunFiles<'a> {
     folder: &'a ResultFolder,
-    /// Run lock of a resumed run, until [`Self::create`] or [`Self::resume`] takes it.
-    lock: Option<Lock>,
+    /// Run lock of a resumed run, until [`Self::begin_run`] or [`Self::resume_run`] takes it over.
+    run_lock: Option<Lock>,
     /// Folder of the run; `None` before the run begins.
     run_folder: Option<RunFolder<'a>>,
-    tables: Vec<(AppendedFile, Appender)>,
+    table_appenders: Vec<(AppendedFile, Appender)>,
     /// Lengths and checksums of the files of all snapshots so far, by index.
-    snapshots: Vec<FileDigest>,
+    snapshot_digests: Vec<FileDigest>,
 }
 
 impl From<TableKind> for AppendedFile {
@@ -41,19 +42,25 @@ impl From<TableKind> for AppendedFile {
 impl<'a> RunFiles<'a> {
     /// Creates the files of a run that has not begun. `lock` is the run lock of a resumed run.
     pub(super) fn new(folder: &'a ResultFolder, lock: Option<Lock>) -> Self {
-        Self { folder, lock, run_folder: None, tables: Vec::new(), snapshots: Vec::new() }
+        Self {
+            folder,
+            run_lock: lock,
+            run_folder: None,
+            table_appenders: Vec::new(),
+            snapshot_digests: Vec::new(),
+        }
     }
 
-    /// Prepares the folder for a run from its beginning and creates its tables; `has_joints`: whether snapshots have files
-    /// of joints.
-    pub(super) fn create(
+    /// Prepares the folder for a run from its beginning and creates its tables; `has_joints` states whether snapshots
+    /// have files of joints.
+    pub(super) fn begin_run(
         &mut self,
         tables: &[TableHeader],
         has_snapshots: bool,
         has_joints: bool,
-    ) -> Result<(), Error> {
+    ) -> Result<(), CommandError> {
         let folder = self.folder;
-        let mut run = match self.lock.take() {
+        let mut run = match self.run_lock.take() {
             None => folder.begin_run()?,
             Some(lock) => folder.restart_run(lock)?,
         };
@@ -61,7 +68,7 @@ impl<'a> RunFiles<'a> {
             let file = AppendedFile::from(*kind);
             let header: Vec<&str> = columns.iter().map(String::as_str).collect();
             let own = Appender::create(&folder.file_path(file), &header);
-            self.tables.push((file, own.map_err(OutputError::from_append_error)?));
+            self.table_appenders.push((file, own.map_err(OutputError::from_append_error)?));
         }
         if has_snapshots {
             write_snapshot_lists(&mut run, &[], has_joints)?;
@@ -73,67 +80,76 @@ impl<'a> RunFiles<'a> {
     /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the solver state and returns the
     /// number of snapshots due, or `None` if the state does not match the case; `snapshot` returns time, s, and file
     /// names of a snapshot by its index. Nothing is changed before all files are found to match the checkpoint.
-    pub(super) fn resume(
+    pub(super) fn resume_run(
         &mut self,
         tables: &[TableHeader],
         from: &Checkpoint,
         restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
         snapshot: impl Fn(usize) -> Option<(f64, Vec<String>)>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), CommandError> {
         let folder = self.folder;
-        let snapshots_due = restore(&from.state).filter(|_| from.tables.len() == tables.len());
+        let snapshots_due =
+            restore(&from.solver_state).filter(|_| from.table_digests.len() == tables.len());
         let list = snapshots_due.map(|due| (0..due).map_while(snapshot).collect());
         let list: Vec<(f64, Vec<String>)> =
-            list.ok_or_else(|| Checkpoint::mismatch_error(folder))?;
+            list.ok_or_else(|| Checkpoint::create_mismatch_error(folder))?;
         let names: Vec<&String> = list.iter().flat_map(|(_, names)| names).collect();
-        if names.len() != from.snapshots.len() {
-            return Err(Checkpoint::mismatch_error(folder).into());
+        if names.len() != from.snapshot_digests.len() {
+            return Err(Checkpoint::create_mismatch_error(folder).into());
         }
-        for (name, written) in names.iter().zip(&from.snapshots) {
+        for (name, written) in names.iter().zip(&from.snapshot_digests) {
             folder.check_file(name, *written)?;
         }
         let mut found = Vec::new();
-        for (head, written) in tables.iter().zip(&from.tables) {
+        for (head, written) in tables.iter().zip(&from.table_digests) {
             let file = AppendedFile::from(head.kind);
             let own = InterruptedTable::open(&folder.file_path(file), *written);
             found.push((file, own.map_err(OutputError::from_append_error)?));
         }
-        let lock = self.lock.take().ok_or_else(|| Checkpoint::mismatch_error(folder))?;
+        let lock = self.run_lock.take().ok_or_else(|| Checkpoint::create_mismatch_error(folder))?;
         let mut run = RunFolder::from_checkpoint(folder, lock)?;
         for (file, own) in found {
-            self.tables.push((file, own.resume().map_err(OutputError::from_append_error)?));
+            self.table_appenders
+                .push((file, own.resume().map_err(OutputError::from_append_error)?));
         }
         if !list.is_empty() {
             // The list on disk may contain snapshots of steps that will be repeated.
             write_snapshot_lists(&mut run, &list, list[0].1.len() > 1)?;
         }
-        names.iter().zip(&from.snapshots).for_each(|(name, own)| run.insert_checksum(name, *own));
-        self.snapshots.clone_from(&from.snapshots);
+        names
+            .iter()
+            .zip(&from.snapshot_digests)
+            .for_each(|(name, own)| run.insert_checksum(name, *own));
+        self.snapshot_digests.clone_from(&from.snapshot_digests);
         self.run_folder = Some(run);
         Ok(())
     }
 
     /// Appends a row to a table; does nothing if the run has no such table.
-    pub(super) fn append_row(&mut self, table: AppendedFile, row: &[f64]) -> Result<(), Error> {
-        match self.tables.iter_mut().find(|own| own.0 == table) {
+    pub(super) fn append_row(
+        &mut self,
+        table: AppendedFile,
+        row: &[f64],
+    ) -> Result<(), CommandError> {
+        match self.table_appenders.iter_mut().find(|own| own.0 == table) {
             Some((_, file)) => Ok(file.write_row(row).map_err(OutputError::from_append_error)?),
             None => Ok(()),
         }
     }
 
-    /// Writes the files of a snapshot for ParaView, fields and joints if any, under the last names in `list`, which holds
-    /// times and names of all snapshots so far.
+    /// Writes the files of a snapshot for ParaView, fields and joints if any, under the last names in `list`, which
+    /// holds times and names of all snapshots so far.
     pub(super) fn write_snapshot(
         &mut self,
         image: &ImageData,
         joints: Option<&LineData>,
         list: &[(f64, Vec<String>)],
-    ) -> Result<(), Error> {
+    ) -> Result<(), CommandError> {
         let Some(run) = &mut self.run_folder else { return Ok(()) };
         if let Some((_, names)) = list.last() {
             let files = std::iter::once(image.to_bytes()).chain(joints.map(LineData::to_bytes));
             for (name, bytes) in names.iter().zip(files) {
-                self.snapshots.push(run.write_result(name, &bytes)?);
+                self.snapshot_digests.push(run.write_result(name, &bytes)?);
             }
         }
         write_snapshot_lists(run, list, joints.is_some())
@@ -143,13 +159,17 @@ impl<'a> RunFiles<'a> {
     pub(super) fn create_checkpoint(
         &mut self,
         state: SimulationState,
-    ) -> Result<Checkpoint, Error> {
-        Ok(Checkpoint { tables: self.sync_tables()?, snapshots: self.snapshots.clone(), state })
+    ) -> Result<Checkpoint, CommandError> {
+        Ok(Checkpoint {
+            table_digests: self.sync_tables()?,
+            snapshot_digests: self.snapshot_digests.clone(),
+            solver_state: state,
+        })
     }
 
     /// Syncs the tables to disk and returns their lengths and checksums.
-    pub(super) fn sync_tables(&mut self) -> Result<Vec<FileDigest>, Error> {
-        let tables = self.tables.iter_mut();
+    pub(super) fn sync_tables(&mut self) -> Result<Vec<FileDigest>, CommandError> {
+        let tables = self.table_appenders.iter_mut();
         Ok(tables
             .map(|own| own.1.sync())
             .collect::<Result<_, _>>()
@@ -158,10 +178,10 @@ impl<'a> RunFiles<'a> {
 
     /// Syncs the tables to disk and returns the run folder, to whose checksums those of the tables are added; `None`
     /// before the run begins.
-    pub(super) fn into_folder(mut self) -> Result<Option<RunFolder<'a>>, Error> {
+    pub(super) fn into_folder(mut self) -> Result<Option<RunFolder<'a>>, CommandError> {
         let written = self.sync_tables()?;
         let Some(run) = &mut self.run_folder else { return Ok(None) };
-        self.tables
+        self.table_appenders
             .iter()
             .zip(written)
             .for_each(|((file, _), own)| run.insert_checksum(file.name(), own));
@@ -177,13 +197,14 @@ impl<'a> RunFiles<'a> {
     }
 }
 
-/// Writes the list of snapshots, whose times, s, and file names are in `list`, and that of their joints if any.
+/// Writes the list of snapshots, whose times, s, and file names are in `list`, and the list of joint snapshots if there
+/// are any.
 fn write_snapshot_lists(
     run: &mut RunFolder,
     list: &[(f64, Vec<String>)],
     has_joints: bool,
-) -> Result<(), Error> {
-    let lists = [(SNAPSHOT_LIST_FILE, true), (JOINT_LIST_FILE, has_joints)];
+) -> Result<(), CommandError> {
+    let lists = [(SNAPSHOT_LIST_FILE, true), (JOINT_SNAPSHOT_LIST_FILE, has_joints)];
     for (index, (file, _)) in lists.into_iter().enumerate().filter(|(_, (_, is_due))| *is_due) {
         let entries: Vec<(f64, &String)> =
             list.iter().filter_map(|(time, names)| Some((*time, names.get(index)?))).collect();
@@ -192,17 +213,17 @@ fn write_snapshot_lists(
     Ok(())
 }
 
-/// Reads the tables of a results folder.
+/// Reads the tables that a run has written to its results folder.
 ///
 /// # Errors
 /// The case has no simulation, or a table is missing, cannot be read or is not numeric.
 pub(in crate::cli) fn read_records(
     case: &Case,
     folder: &ResultFolder,
-) -> Result<RunRecords, Error> {
+) -> Result<RunRecords, CommandError> {
     let read = |kind| read_table(case, folder, kind);
     let has_receivers = match case.time_domain_run()? {
-        TimeDomainRun::Solid(dynamics) => !dynamics.receivers.is_empty(),
+        TimeDomainRun::Solid(solid_run) => !solid_run.receivers.is_empty(),
         TimeDomainRun::Flow(run) => !run.receivers.is_empty(),
     };
     Ok(RunRecords {
@@ -214,7 +235,11 @@ pub(in crate::cli) fn read_records(
 }
 
 /// Reads the columns of a table in the results folder, with their units.
-fn read_table(case: &Case, folder: &ResultFolder, kind: TableKind) -> Result<RecordTable, Error> {
+fn read_table(
+    case: &Case,
+    folder: &ResultFolder,
+    kind: TableKind,
+) -> Result<RecordTable, CommandError> {
     let path = folder.file_path(kind.into());
     let bytes =
         read_regular_file(&path).map_err(|error| OutputError::from_read_error(&path, &error))?;

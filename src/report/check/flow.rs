@@ -11,7 +11,7 @@ use crate::study::check::refinement::{FastestModeCheck, GrowthOrders, Refinement
 use figures::{LabelledCurve, SpectrumFigure};
 use std::fmt::Write as _;
 
-pub(super) const UNITS: [(&str, &str); 5] = [
+pub(super) const FLOW_CHECK_UNITS: [(&str, &str); 5] = [
     ("growth_rate", "1/s"),
     ("frequency", "rad/s"),
     ("tolerance", "1/s"),
@@ -35,7 +35,7 @@ impl FlowCheck {
             "", "predicted", "measured", "error", "tolerance", "order", "(γ_frozen − γ)/Q_D"
         );
         let mut last = None;
-        for row in &self.rows {
+        for row in &self.mode_checks {
             if last != Some(row.wave) {
                 let (k, along) =
                     (format_short(row.wave.wave_number), format_short(row.wave.direction_deg));
@@ -47,8 +47,8 @@ impl FlowCheck {
         for refinement in &self.refinements {
             refinement.write_table(&mut text);
         }
-        let [all, failed] = self.row_counts();
-        let found = match (failed, self.agrees()) {
+        let [all, failed] = self.item_and_failure_counts();
+        let found = match (failed, self.is_in_agreement()) {
             (_, None) => String::new(),
             (0, _) => ": all agree".to_owned(),
             (some, _) => format!(": {some} of {all} DISAGREE"),
@@ -59,14 +59,14 @@ impl FlowCheck {
         text
     }
 
-    /// Creates the figure of growth and decay rates |γ|, 1/s, against the wave number: rates predicted at the initial
-    /// wave vector as curves, measured rates as rings.
+    /// Creates the figure of growth and decay rates |γ|, 1/s, against the wave number: curves of rates predicted at the
+    /// initial wave vector, and rings for measured rates.
     pub(super) fn create_figure(&self, case: &Case) -> SpectrumFigure {
         let line = |curve: &RateCurve| {
             let sign = if curve.is_growing { "grows" } else { "decays" };
             LabelledCurve {
                 label: format!("at {}°: {sign}", format_short(curve.direction_deg)),
-                points: curve.predicted.clone(),
+                points: curve.predicted_points.clone(),
             }
         };
         SpectrumFigure {
@@ -78,29 +78,33 @@ impl FlowCheck {
             ),
             x_label: "initial wave number k, 1/m".to_owned(),
             y_label: "growth or decay rate |γ|, 1/s".to_owned(),
-            spectra: self.curves.iter().map(line).collect(),
-            measured_points: self.curves.iter().map(|curve| curve.measured.clone()).collect(),
+            spectra: self.rate_curves.iter().map(line).collect(),
+            measured_points: self
+                .rate_curves
+                .iter()
+                .map(|curve| curve.measured_points.clone())
+                .collect(),
         }
     }
 
     /// Creates the figure of the growth rate of the fastest growing wave of each grid, 1/s, against its wave number,
-    /// with one curve per model, which has no points if the fastest mode does not grow on every grid; `None` without
-    /// refinement.
+    /// with one curve per model. The curve has no points if the fastest mode does not grow on every grid. `None`
+    /// without refinement.
     pub(super) fn create_refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {
-                let grids = own.grids.iter().filter(|_| own.is_growing);
+                let grids = own.fastest_modes.iter().filter(|_| own.is_growing);
                 grids.map(|grid| [grid.wave_number, value(grid)]).collect()
             };
         let first = self.refinements.first()?;
         let counts: Vec<String> =
-            first.grids.iter().map(|grid| format!("{}²", grid.points[0])).collect();
+            first.fastest_modes.iter().map(|grid| format!("{}²", grid.point_counts[0])).collect();
         let line = |own: &RefinementCheck| LabelledCurve {
             label: match own.is_growing {
-                true => own.title.to_owned(),
-                false => format!("{}: nothing grows", own.title),
+                true => own.model_title.to_owned(),
+                false => format!("{}: nothing grows", own.model_title),
             },
-            points: points(own, |grid| grid.predicted),
+            points: points(own, |grid| grid.predicted_growth),
         };
         Some(SpectrumFigure {
             title: case_title(case),
@@ -112,7 +116,7 @@ impl FlowCheck {
             measured_points: self
                 .refinements
                 .iter()
-                .map(|own| points(own, |grid| grid.measured))
+                .map(|own| points(own, |grid| grid.measured_growth))
                 .collect(),
         })
     }
@@ -120,10 +124,10 @@ impl FlowCheck {
 
 impl ModeCheck {
     fn write_row(&self, shear_rate: f64, text: &mut String) {
-        let name = MODE_NAMES[(self.mode - 1).min(1)];
-        let predicted = self.predicted.growth_rate;
+        let name = MODE_NAMES[(self.mode_number - 1).min(1)];
+        let predicted = self.predicted_rate.growth_rate;
         let (Some(limit), Some(difference), Some(tolerance)) =
-            (self.limit, self.difference, self.tolerance)
+            (self.extrapolated_rate, self.rate_difference, self.tolerance)
         else {
             let reason = self.unmeasured_reason.as_deref().unwrap_or_default();
             let growth = format_significant(predicted);
@@ -136,42 +140,44 @@ impl ModeCheck {
             name,
             format_significant(predicted),
             format_significant(limit.growth_rate),
-            format_signed_scientific(difference.growth_rate / self.scale),
-            format_scientific(tolerance / self.scale),
-            self.order.map_or("–".into(), |order| format!("{order:.2}")),
+            format_signed_scientific(difference.growth_rate / self.rate_scale),
+            format_scientific(tolerance / self.rate_scale),
+            self.convergence_order.map_or("–".into(), |order| format!("{order:.2}")),
             format!("{:+.3}", (self.frozen_rate.growth_rate - predicted) / shear_rate),
-            format_agreement(self.agrees == Some(true)),
+            format_agreement(self.is_in_agreement == Some(true)),
         );
     }
 }
 
 impl RefinementCheck {
     fn write_table(&self, text: &mut String) {
-        let title = self.title;
+        let title = self.model_title;
         let _ = writeln!(text, "\n{title}: the fastest growing wave of each grid, rates in 1/s");
         if let Some(delta) = self.replaced_noncoaxiality_deg {
             let _ = writeln!(text, "  {}", format_coaxial_note(delta));
         }
-        for grid in &self.grids {
-            let [columns, rows] = grid.points;
-            let scale = grid.predicted.abs().max(self.shear_rate);
+        for grid in &self.fastest_modes {
+            let [columns, rows] = grid.point_counts;
+            let scale = grid.predicted_growth.abs().max(self.shear_rate);
             let _ = writeln!(
                 text,
                 "  {:<22}{:>13}{:>13}{:>10}  {}",
                 format!("{columns} × {rows} points"),
-                format_significant(grid.predicted),
-                format_significant(grid.measured),
-                format_signed_scientific((grid.measured - grid.predicted) / scale),
-                format_agreement(grid.agrees),
+                format_significant(grid.predicted_growth),
+                format_significant(grid.measured_growth),
+                format_signed_scientific((grid.measured_growth - grid.predicted_growth) / scale),
+                format_agreement(grid.is_in_agreement),
             );
         }
-        let verdict = format_agreement(self.agrees);
-        let _ = match self.orders {
-            Some(GrowthOrders { predicted, measured }) => writeln!(
-                text,
-                "  order in k: predicted {predicted:.4}, measured {measured:.4}, as k → ∞ {}  {verdict}",
-                format_order(self.verdict_order),
-            ),
+        let verdict = format_agreement(self.is_in_agreement);
+        let _ = match self.growth_orders {
+            Some(GrowthOrders { predicted_order: predicted, measured_order: measured }) => {
+                writeln!(
+                    text,
+                    "  order in k: predicted {predicted:.4}, measured {measured:.4}, as k → ∞ {}  {verdict}",
+                    format_order(self.verdict_order),
+                )
+            }
             None if self.is_growing => writeln!(
                 text,
                 "  one wave number is the fastest on all grids: no order in k  {verdict}",

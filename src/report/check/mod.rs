@@ -18,8 +18,8 @@ impl Report for CheckResult {
     fn units(&self) -> &'static [(&'static str, &'static str)] {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => &[],
-            CheckOutcome::Solid(_) => &solid::UNITS,
-            CheckOutcome::Flow(_) => &flow::UNITS,
+            CheckOutcome::Solid(_) => &solid::SOLID_CHECK_UNITS,
+            CheckOutcome::Flow(_) => &flow::FLOW_CHECK_UNITS,
         }
     }
 
@@ -43,7 +43,7 @@ impl Report for CheckResult {
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
             }
             CheckOutcome::Solid(own) => {
-                let figure = own.media[0].create_figure(case);
+                let figure = own.medium_checks[0].create_figure(case);
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
             }
             CheckOutcome::Flow(own) => {
@@ -75,8 +75,8 @@ pub fn format_unmeasured_count(count: usize) -> String {
     if count == 0 { String::new() } else { format!("; {count} not measurable") }
 }
 
-fn format_agreement(agrees: bool) -> &'static str {
-    if agrees { "agrees" } else { "DISAGREES" }
+fn format_agreement(is_in_agreement: bool) -> &'static str {
+    if is_in_agreement { "agrees" } else { "DISAGREES" }
 }
 
 /// Formats a number in scientific notation with two significant digits: `3.2e-7`; zero as `0`.

@@ -13,19 +13,19 @@ use figures::{DispersionBranch, DispersionFigure, FrequencyBand};
 use models::solid::parameters::Isotropic;
 use std::fmt::Write as _;
 
-pub(super) const UNITS: [(&str, &str); 4] =
+pub(super) const SOLID_CHECK_UNITS: [(&str, &str); 4] =
     [("frequency", "rad/s"), ("growth_rate", "1/s"), ("tolerance", "rad/s"), ("number", "1/m")];
 
-/// Phase speeds up to this fraction of the largest one count as zero; branches of zero speed are not drawn.
+/// Fraction of the largest phase speed up to which a phase speed counts as zero; branches of zero speed are not drawn.
 const MIN_RELATIVE_SPEED: f64 = 1e-6;
 
 impl SolidCheck {
     pub(super) fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n", case_title(case));
-        for medium in &self.media {
+        for medium in &self.medium_checks {
             medium.write_table(&mut text);
         }
-        for blocks in &self.blocks {
+        for blocks in &self.blocky_medium_checks {
             blocks.write_table(&mut text);
         }
         text
@@ -40,9 +40,9 @@ impl MediumCheck {
             format!("{}: ", self.region_key)
         };
         let _ = writeln!(text, "{place}{}", self.medium_title);
-        self.write_table_head(text);
-        write_rows(&self.rows, text);
-        for band in &self.forbidden_bands {
+        self.write_table_header(text);
+        write_rows(&self.branch_checks, text);
+        for band in &self.band_gaps {
             let at = |own: Option<f64>| own.map_or("none".to_owned(), format_significant);
             let _ = writeln!(
                 text,
@@ -52,11 +52,12 @@ impl MediumCheck {
                 format_significant(band.upper_edge),
                 at(band.nearest_frequencies[0]),
                 at(band.nearest_frequencies[1]),
-                format_agreement(band.agrees),
+                format_agreement(band.is_in_agreement),
             );
         }
-        let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count();
-        let verdict = match (failed, self.agrees) {
+        let failed =
+            self.branch_checks.iter().filter(|row| row.is_in_agreement == Some(false)).count();
+        let verdict = match (failed, self.is_in_agreement) {
             (_, None) => String::new(),
             (0, Some(true)) => ": all agree".to_owned(),
             (0, Some(false)) => ": band gaps DISAGREE".to_owned(),
@@ -65,16 +66,18 @@ impl MediumCheck {
         let _ = writeln!(
             text,
             "\n{} waves, {}{verdict}{}",
-            self.rows.len(),
+            self.branch_checks.len(),
             format_max_error(self.max_relative_difference()),
             format_unmeasured_count(self.unmeasured_count()),
         );
     }
 
-    fn write_table_head(&self, text: &mut String) {
-        let measured = self.rows.iter().find(|row| row.limit.is_some());
-        let cells =
-            measured.iter().flat_map(|row| &row.grids).filter_map(|grid| grid.cells_per_period);
+    fn write_table_header(&self, text: &mut String) {
+        let measured = self.branch_checks.iter().find(|row| row.extrapolated_result.is_some());
+        let cells = measured
+            .iter()
+            .flat_map(|row| &row.grid_results)
+            .filter_map(|grid| grid.cells_per_period);
         let cells: Vec<String> = cells.map(|cells| cells.to_string()).collect();
         let coarse = cells.first().map_or("–", String::as_str);
         let _ = writeln!(
@@ -83,23 +86,28 @@ impl MediumCheck {
              each axis\n",
             cells.join(", ")
         );
-        write_column_heads(&format!("error (N = {coarse})"), text);
+        write_column_headers(&format!("error (N = {coarse})"), text);
     }
 
     /// Creates the figure of measured frequencies on predicted curves. Measurements in all directions are drawn for the
     /// elastic and unloading response of an isotropic solid, otherwise only those in the direction of the first wave.
     pub(super) fn create_figure(&self, case: &Case) -> DispersionFigure {
-        let greatest = self.rows.iter().map(|row| row.wave.wave_number).fold(0.0, f64::max);
-        let bands = self.branches.iter().flat_map(|(_, groups)| groups).flat_map(|group| {
-            let inner =
-                group.band_gaps.iter().filter(|band| band.lower > 0.0 && band.upper.is_finite());
-            inner.map(|band| FrequencyBand {
-                label: format!("no {} waves", group.family.polarisation.name()),
-                low: band.lower,
-                high: band.upper,
-            })
-        });
-        let mut measured = self.rows.iter().filter(|row| row.limit.is_some());
+        let greatest =
+            self.branch_checks.iter().map(|row| row.wave.wave_number).fold(0.0, f64::max);
+        let bands =
+            self.predicted_branches.iter().flat_map(|(_, groups)| groups).flat_map(|group| {
+                let inner = group
+                    .band_gaps
+                    .iter()
+                    .filter(|band| band.lower > 0.0 && band.upper.is_finite());
+                inner.map(|band| FrequencyBand {
+                    label: format!("no {} waves", group.family.polarisation.name()),
+                    low: band.lower,
+                    high: band.upper,
+                })
+            });
+        let mut measured =
+            self.branch_checks.iter().filter(|row| row.extrapolated_result.is_some());
         let first = measured.next().map(|row| wave_direction(&row.wave));
         let are_several = measured.any(|row| Some(wave_direction(&row.wave)) != first);
         let is_alike = self.is_isotropic() && self.solid.plastic_state.is_none() && are_several;
@@ -111,11 +119,11 @@ impl MediumCheck {
                 if is_alike { ", all directions" } else { "" },
                 format_unmeasured_count(self.unmeasured_count()),
             ),
-            k_label: "wave number k (1/m)".into(),
+            wave_number_label: "wave number k (1/m)".into(),
             frequency_label: "angular frequency ω (rad/s)".into(),
             speed_label: "phase speed ω/k (m/s)".into(),
             growth_label: String::new(),
-            is_k_log: false,
+            is_wave_number_log: false,
             is_frequency_log: false,
             branches: self.create_curves(greatest),
             bands: bands.collect(),
@@ -131,10 +139,13 @@ impl MediumCheck {
     /// Returns the curves of all propagating branches, up to 1.05 times the largest measured wave number `greatest`,
     /// 1/m.
     fn create_curves(&self, greatest: f64) -> Vec<DispersionBranch> {
-        let speeds = self.rows.iter().map(|row| row.predicted.frequency / row.wave.wave_number);
+        let speeds = self
+            .branch_checks
+            .iter()
+            .map(|row| row.predicted_frequency.angular_frequency / row.wave.wave_number);
         let greatest_speed = speeds.fold(0.0, f64::max);
         let groups = self
-            .branches
+            .predicted_branches
             .iter()
             .flat_map(|(response, groups)| groups.iter().map(move |group| (*response, group)));
         let mut curves = Vec::new();
@@ -148,7 +159,7 @@ impl MediumCheck {
                 }
                 let label = group.label(index);
                 curves.push(DispersionBranch {
-                    measured_frequency: self.measured_points(response, &label),
+                    measured_frequency: self.collect_measured_points(response, &label),
                     label: match response {
                         WaveResponse::Elastic => label,
                         other => format!("{}: {label}", other.name()),
@@ -163,17 +174,18 @@ impl MediumCheck {
     }
 
     /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of the branch named `label`.
-    fn measured_points(&self, response: WaveResponse, label: &str) -> Vec<[f64; 2]> {
-        let Some(first) = self.rows.first().map(|row| row.wave) else { return Vec::new() };
+    fn collect_measured_points(&self, response: WaveResponse, label: &str) -> Vec<[f64; 2]> {
+        let Some(first) = self.branch_checks.first().map(|row| row.wave) else { return Vec::new() };
         let is_isotropic = self.is_isotropic();
         let is_own = |row: &&BranchCheck| {
             let is_along = wave_direction(&row.wave) == wave_direction(&first);
             row.response == response
-                && row.branch == label
+                && row.branch_label == label
                 && (is_along || (is_isotropic && response != WaveResponse::Loading))
         };
-        let own = self.rows.iter().filter(is_own);
-        own.filter_map(|row| Some([row.wave.wave_number, row.limit?.frequency])).collect()
+        let own = self.branch_checks.iter().filter(is_own);
+        own.filter_map(|row| Some([row.wave.wave_number, row.extrapolated_result?.frequency]))
+            .collect()
     }
 }
 
@@ -182,7 +194,7 @@ fn wave_direction(wave: &WaveVector) -> [f64; 2] {
     [wave.direction_deg, wave.elevation_deg]
 }
 
-/// Writes rows under the wave vectors that they belong to.
+/// Writes the results of all branches, grouped by wave vector.
 pub(super) fn write_rows(rows: &[BranchCheck], text: &mut String) {
     let mut last: Option<WaveVector> = None;
     for row in rows {
@@ -200,8 +212,8 @@ pub(super) fn write_rows(rows: &[BranchCheck], text: &mut String) {
     }
 }
 
-/// Writes the heads of the columns; `coarse`: that of the error on the coarsest grid.
-pub(super) fn write_column_heads(coarse: &str, text: &mut String) {
+/// Writes the column headers; `coarse` is that of the error on the coarsest grid.
+pub(super) fn write_column_headers(coarse: &str, text: &mut String) {
     let _ = writeln!(
         text,
         "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}",
@@ -212,17 +224,17 @@ pub(super) fn write_column_heads(coarse: &str, text: &mut String) {
 impl BranchCheck {
     pub(super) fn write_row(&self, text: &mut String) {
         let name = match self.response {
-            WaveResponse::Elastic => self.branch.clone(),
-            other => format!("{}: {}", other.name(), self.branch),
+            WaveResponse::Elastic => self.branch_label.clone(),
+            other => format!("{}: {}", other.name(), self.branch_label),
         };
-        let predicted = self.predicted.frequency;
+        let predicted = self.predicted_frequency.angular_frequency;
         let (Some(limit), Some(found), Some(expected)) =
-            (self.limit, self.difference, self.expected_difference)
+            (self.extrapolated_result, self.measured_difference, self.expected_difference)
         else {
             let reason = self.unmeasured_reason.as_deref().unwrap_or_default();
             let predicted = format_significant(predicted);
-            let verdict = match self.agrees {
-                Some(agrees) => format!("  {}", format_agreement(agrees)),
+            let verdict = match self.is_in_agreement {
+                Some(is_in_agreement) => format!("  {}", format_agreement(is_in_agreement)),
                 None => String::new(),
             };
             let _ =
@@ -239,11 +251,11 @@ impl BranchCheck {
             format_signed_scientific(expected.frequency),
             format_signed_scientific(found.growth_rate),
             format_scientific(limit.tolerance / predicted),
-            self.grids
-                .first()
-                .map_or_else(String::new, |grid| format_signed_scientific(grid.difference)),
-            self.order.map_or("–".into(), |order| format!("{order:.2}")),
-            format_agreement(self.agrees == Some(true)),
+            self.grid_results.first().map_or_else(String::new, |grid| format_signed_scientific(
+                grid.relative_frequency_error
+            )),
+            self.convergence_order.map_or("–".into(), |order| format!("{order:.2}")),
+            format_agreement(self.is_in_agreement == Some(true)),
         );
     }
 }

@@ -11,11 +11,12 @@ use analysis::solids::Hyperbolicity;
 use figures::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use models::common::elementary::Elementary;
 
-/// Order of growth in the wave number, and for solids the type of the characteristic speeds.
-type GrowthKind = (f64, Option<Hyperbolicity>);
+/// Class of growth at a map point: order of growth in the wave number, and for solids the type of the characteristic
+/// speeds.
+type GrowthClass = (f64, Option<Hyperbolicity>);
 
-fn growth_kind(point: &MapPoint) -> GrowthKind {
-    (point.order, point.speeds.map(|speeds| speeds.hyperbolicity))
+fn classify_growth(point: &MapPoint) -> GrowthClass {
+    (point.growth_order, point.speeds.map(|speeds| speeds.hyperbolicity))
 }
 
 pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
@@ -29,8 +30,8 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
     };
     let points = &found.points;
     // One category per order of growth, and for solids per type of speeds, by descending order.
-    let mut kinds: Vec<GrowthKind> =
-        points.iter().filter(|p| p.order.is_finite()).map(growth_kind).collect();
+    let mut kinds: Vec<GrowthClass> =
+        points.iter().filter(|p| p.growth_order.is_finite()).map(classify_growth).collect();
     let rank = |speeds: &Option<Hyperbolicity>| speeds.map_or(0, |h| h as u8);
     kinds.sort_by(|a, b| b.0.total_cmp(&a.0).then(rank(&a.1).cmp(&rank(&b.1))));
     kinds.dedup();
@@ -51,7 +52,7 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
     }
 }
 
-fn create_categories(kinds: &[GrowthKind]) -> Vec<VerdictCategory> {
+fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
     let mut categories =
         vec![VerdictCategory { label: "well-posed".into(), fill_style: FillStyle::WellPosed }];
     categories.extend(kinds.iter().map(|(order, speeds)| VerdictCategory {
@@ -77,14 +78,16 @@ fn create_categories(kinds: &[GrowthKind]) -> Vec<VerdictCategory> {
 }
 
 /// Returns the index of a point's category in [`create_categories`].
-fn category_index(kinds: &[GrowthKind], point: &MapPoint) -> u8 {
+fn category_index(kinds: &[GrowthClass], point: &MapPoint) -> u8 {
     let first_other = 1 + kinds.len();
     let index = match point.status {
         PointStatus::WellPosed => 0,
-        PointStatus::IllPosed => match kinds.iter().position(|&kind| kind == growth_kind(point)) {
-            Some(i) => 1 + i,
-            None => first_other,
-        },
+        PointStatus::IllPosed => {
+            match kinds.iter().position(|&kind| kind == classify_growth(point)) {
+                Some(i) => 1 + i,
+                None => first_other,
+            }
+        }
         PointStatus::Marginal => first_other + 1,
         PointStatus::Indeterminate => first_other + 2,
         PointStatus::NotFullyDeforming => first_other + 3,
@@ -110,12 +113,12 @@ fn compute_colour_level(
                 format_superscript(order),
                 coefficient_unit(order)
             );
-            (label, points.iter().map(|p| p.coefficient).collect())
+            (label, points.iter().map(|p| p.growth_coefficient).collect())
         }
         _ => {
             let label =
                 format!("leading growth rate at k = {} 1/m (1/s)", format_short(wave_number));
-            let rate = |p: &MapPoint| p.coefficient * wave_number.cr_powf(p.order);
+            let rate = |p: &MapPoint| p.growth_coefficient * wave_number.cr_powf(p.growth_order);
             (label, points.iter().map(rate).collect())
         }
     }
@@ -165,11 +168,11 @@ fn format_subtitle(case: &Case, found: &MapResult) -> String {
         .join(", ")
 }
 
-/// Returns the curves of the model's closed-form bound on the non-coaxiality |Δ|, degrees, if Δ is one of the axes: one
-/// curve for each sign of Δ, with the points inside the axis range.
+/// Returns the curves of the closed-form bound of the model on the non-coaxiality |Δ|, degrees, if Δ is on one of the
+/// axes: one curve for each sign of Δ, with the points inside the axis range.
 fn collect_noncoaxiality_curves(found: &MapResult) -> Vec<MapCurve> {
     const NONCOAXIALITY_KEY: &str = "background.noncoaxiality_deg";
-    let (nx, ny) = (found.x.points, found.y.points);
+    let (nx, ny) = (found.x.point_count, found.y.point_count);
     let (along_x, count) = match (found.x.parameter.as_str(), found.y.parameter.as_str()) {
         (NONCOAXIALITY_KEY, _) => (true, ny),
         (_, NONCOAXIALITY_KEY) => (false, nx),

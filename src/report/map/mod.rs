@@ -11,7 +11,7 @@ use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, ModelKind};
 use crate::study::MapResult;
-use crate::study::map::summary::WorstPoint;
+use crate::study::map::summary::FastestGrowthPoint;
 use analysis::flows::FLOW_ROUTE;
 use analysis::solids::{Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE};
 
@@ -24,8 +24,8 @@ impl Report for MapResult {
         lines.push(format!(
             "{}: {} × {} points over {} ({}) and {} ({})",
             case.medium().title(),
-            x.points,
-            y.points,
+            x.point_count,
+            y.point_count,
             x.label,
             x.parameter,
             y.label,
@@ -33,7 +33,9 @@ impl Report for MapResult {
         ));
         self.add_count_lines(case, &mut lines);
         self.add_interval_lines(&mut lines);
-        lines.extend(self.worst_point.as_ref().map(|worst| self.format_worst_line(worst)));
+        lines.extend(
+            self.fastest_growth_point.as_ref().map(|worst| self.format_fastest_growth_line(worst)),
+        );
         let blind = match (case.material.kind, case.material.numbers.dimensions) {
             (ModelKind::Flow(_), _) => FLOW_ROUTE,
             (ModelKind::Solid(_), 3) => SPACE_ROUTE,
@@ -67,13 +69,13 @@ impl MapResult {
                 lines.push(format!("  {share:5.1} %  {name} ({count} points)"));
             }
         }
-        let of_solid = self.solid.iter().flat_map(|solid| solid.hyperbolicity);
+        let of_solid = self.solid.iter().flat_map(|solid| solid.hyperbolicity_counts);
         for (hyperbolicity, (_, count)) in Hyperbolicity::ALL.into_iter().zip(of_solid) {
             if count > 0 {
                 lines.push(format!("  {count} points: {}", hyperbolicity.description()));
             }
         }
-        if let Some(share) = self.well_posed_share {
+        if let Some(share) = self.well_posed_fraction {
             let which = match case.material.kind {
                 ModelKind::Flow(_) => "fully deforming states",
                 ModelKind::Solid(_) => "states with a response",
@@ -91,7 +93,7 @@ impl MapResult {
 
     fn add_interval_lines(&self, lines: &mut Vec<String>) {
         let (x, y) = (&self.x, &self.y);
-        let step = if x.points > 1 { x.values[1] - x.values[0] } else { 0.0 };
+        let step = if x.point_count > 1 { x.values[1] - x.values[0] } else { 0.0 };
         lines.push(format!(
             "Intervals of well-posed states, to within the grid step of {}{}:",
             format_short(step.abs()),
@@ -124,12 +126,12 @@ impl MapResult {
         }
     }
 
-    fn format_worst_line(&self, worst: &WorstPoint) -> String {
+    fn format_fastest_growth_line(&self, worst: &FastestGrowthPoint) -> String {
         let (x, y) = (&self.x, &self.y);
         format!(
             "Largest growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
-            format_short(worst.coefficient),
-            format_superscript(worst.order),
+            format_short(worst.growth_coefficient),
+            format_superscript(worst.growth_order),
             format_short(worst.direction_deg),
             match worst.elevation_deg {
                 Some(up) if !up.is_nan() && up != 0.0 =>

@@ -7,11 +7,11 @@ use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 
 /// Returns the numeric columns of the CSV table, which are fields of the NPZ archive too: name and value at each point.
-fn numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
+fn collect_numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
     let column = |f: fn(&MapPoint) -> f64| found.points.iter().map(f).collect::<Vec<_>>();
     let mut columns = vec![
-        ("order", column(|p| p.order)),
-        ("coefficient", column(|p| p.coefficient)),
+        ("order", column(|p| p.growth_order)),
+        ("coefficient", column(|p| p.growth_coefficient)),
         ("direction_deg", column(|p| p.direction_deg)),
     ];
     match found.solid {
@@ -42,15 +42,15 @@ fn numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
 /// Renders the CSV table, one row per point.
 pub(super) fn format_csv(found: &MapResult) -> Result<Vec<u8>, Error> {
     let is_solid = found.solid.is_some();
-    let columns = numeric_columns(found);
+    let columns = collect_numeric_columns(found);
     let (x, y) = (&found.x, &found.y);
     let mut header = vec![x.parameter.as_str(), y.parameter.as_str(), "verdict", "route"];
     header.extend(is_solid.then_some("hyperbolicity"));
     header.extend(columns.iter().map(|(name, _)| *name));
     let rows = found.points.iter().enumerate().map(|(index, point)| {
         let mut row: Vec<files::csv::CsvCell> = vec![
-            x.values[index % x.points].into(),
-            y.values[index / x.points].into(),
+            x.values[index % x.point_count].into(),
+            y.values[index / x.point_count].into(),
             point.status.name().into(),
             point.route.map_or("", Route::name).into(),
         ];
@@ -66,11 +66,11 @@ pub(super) fn format_csv(found: &MapResult) -> Result<Vec<u8>, Error> {
 /// Renders the NPZ archive: axes under the names of their parameters, fields of shape (y, x).
 pub(super) fn encode_npz(found: &MapResult) -> Result<Vec<u8>, Error> {
     let (x, y) = (&found.x, &found.y);
-    let shape = [y.points, x.points];
+    let shape = [y.point_count, x.point_count];
     let codes = |f: fn(&MapPoint) -> i8| found.points.iter().map(f).collect::<Vec<_>>();
     let mut npz = files::npz::NpzWriter::new();
-    npz.add_f64(&x.parameter, &[x.points], &x.values)?;
-    npz.add_f64(&y.parameter, &[y.points], &y.values)?;
+    npz.add_f64(&x.parameter, &[x.point_count], &x.values)?;
+    npz.add_f64(&y.parameter, &[y.point_count], &y.values)?;
     npz.add_text("axes", &[2], &[&y.parameter, &x.parameter])?;
     npz.add_text("units", &[2], &[y.unit, x.unit])?;
     let names = PointStatus::ALL.map(PointStatus::name);
@@ -90,7 +90,7 @@ pub(super) fn encode_npz(found: &MapResult) -> Result<Vec<u8>, Error> {
         let number = |p: &MapPoint| p.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as i8);
         npz.add_i8("hyperbolicity", &shape, &codes(number))?;
     }
-    for (name, values) in numeric_columns(found) {
+    for (name, values) in collect_numeric_columns(found) {
         npz.add_f64(name, &shape, &values)?;
     }
     Ok(npz.finish()?)

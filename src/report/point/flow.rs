@@ -6,15 +6,16 @@ use crate::report::format::{
     VALIDITY_NOTE, case_title, coefficient_unit, format_coaxial_note, format_order, format_short,
     format_superscript,
 };
-use crate::study::point::flow_state::{SupremumPlace, WaveLimit};
-use crate::study::point::{FlowAnalysis, FlowPoint, FlowState, YieldingState};
+use crate::study::point::flow_state::{SupremumLocation, WaveLimit};
+use crate::study::point::{FlowAnalysis, FlowModelAnalysis, FlowState, YieldingState};
 use models::Rounded;
 use models::flow::RotationKind;
 use std::fmt::Write as _;
 
-impl FlowPoint {
-    /// Returns the models in pictures and tables: the compared models, or else the model of the case.
-    pub(super) fn plotted_models(&self) -> &[FlowAnalysis] {
+impl FlowAnalysis {
+    /// Returns the models shown in pictures and tables: the compared models, or the model of the case if none is
+    /// compared.
+    pub(super) fn select_plotted_models(&self) -> &[FlowModelAnalysis] {
         match self.compared_models.as_slice() {
             [] => std::slice::from_ref(&self.analysis),
             compared => compared,
@@ -29,7 +30,7 @@ impl YieldingState {
     }
 }
 
-pub(super) fn format_text(case: &Case, found: &FlowPoint) -> String {
+pub(super) fn format_text(case: &Case, found: &FlowAnalysis) -> String {
     let own = &found.analysis;
     let mut text = format!("{}\nmodel: {}\n", case_title(case), own.kind.title());
     match &own.state {
@@ -44,7 +45,7 @@ pub(super) fn format_text(case: &Case, found: &FlowPoint) -> String {
             let _ = writeln!(
                 text,
                 "region: {}\nThe state is not fully deforming: nothing to analyse.",
-                state.region
+                state.yield_region
             );
         }
     }
@@ -69,12 +70,12 @@ fn format_rounded_pair(values: [Rounded; 2]) -> String {
 
 fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
     let YieldingState { flow, background, stress, .. } = state;
-    let _ = writeln!(text, "region: {}", state.region);
+    let _ = writeln!(text, "region: {}", state.yield_region);
     let _ = writeln!(
         text,
         "internal power: {} W/m³{}",
-        format_short(state.power),
-        if state.power < 0.0 { " (negative)" } else { "" }
+        format_short(state.internal_power),
+        if state.internal_power < 0.0 { " (negative)" } else { "" }
     );
     let _ = writeln!(text, "\nBackground (given and derived)");
     let mut line = |name: &str, value: String| {
@@ -153,13 +154,13 @@ fn write_roots(state: &YieldingState, text: &mut String) {
         format_short(wave.wave_number),
         format_short(wave.direction_deg)
     );
-    for [re, im] in state.roots.iter().flatten() {
+    for [re, im] in state.dispersion_roots.iter().flatten() {
         let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", format_short(*re));
     }
     if let Some(infinite) = state.infinite_root_count {
         let _ = writeln!(text, "  and {infinite} infinite ones (algebraic equations)");
     }
-    if let Some(rank) = state.rank {
+    if let Some(rank) = state.equation_rank {
         let _ = writeln!(text, "  every ς is a root (rank {rank})");
     }
     if state.gradient_wave_number > 0.0 {
@@ -168,11 +169,11 @@ fn write_roots(state: &YieldingState, text: &mut String) {
     }
 }
 
-fn format_verdict(analysis: &FlowAnalysis) -> String {
+fn format_verdict(analysis: &FlowModelAnalysis) -> String {
     let Some(state) = analysis.yielding_state() else { return "Not fully deforming.\n".into() };
     let evidence = &state.evidence;
     let mut text = format!("Verdict: {}\n  {}\n", state.verdict, evidence.description);
-    if let (Some(order), Some(coefficient)) = (state.order, state.coefficient) {
+    if let (Some(order), Some(coefficient)) = (state.growth_order, state.growth_coefficient) {
         let _ = writeln!(
             text,
             "  order {}, coefficient {coefficient} {}",
@@ -194,7 +195,7 @@ fn format_verdict(analysis: &FlowAnalysis) -> String {
             .orders
             .iter()
             .map(|counted| {
-                format!("{} × k{}", counted.root_count, format_superscript(counted.order))
+                format!("{} × k{}", counted.root_count, format_superscript(counted.growth_order))
             })
             .collect();
         let _ = writeln!(text, "  unbounded roots in a general direction: {}", list.join(", "));
@@ -207,12 +208,12 @@ fn format_verdict(analysis: &FlowAnalysis) -> String {
             .collect();
         let _ = writeln!(text, "  degenerate directions of the wave vector: {}", list.join(", "));
     }
-    if let (Some(rate), Some(place)) = (state.growth_bound, state.supremum_place) {
+    if let (Some(rate), Some(place)) = (state.growth_bound, state.supremum_location) {
         let _ = writeln!(
             text,
             "  supremum of Re ς: {} 1/s, {}, direction {}°",
             format_short(rate),
-            format_supremum_place(&place),
+            format_supremum_location(&place),
             format_short(place.direction_deg)
         );
     }
@@ -226,7 +227,7 @@ fn format_verdict(analysis: &FlowAnalysis) -> String {
     text
 }
 
-fn format_supremum_place(place: &SupremumPlace) -> String {
+fn format_supremum_location(place: &SupremumLocation) -> String {
     match (place.wave_number, place.limit) {
         (Some(number), _) => format!("at k = {} 1/m", format_short(number)),
         (None, Some(WaveLimit::LongWaves)) => "approached by the longest waves".into(),
@@ -234,10 +235,10 @@ fn format_supremum_place(place: &SupremumPlace) -> String {
     }
 }
 
-/// Renders the tables of sampled growth rates, if any.
-pub(super) fn create_tables(found: &FlowPoint) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+/// Renders the tables of sampled growth rates; empty if none were sampled.
+pub(super) fn create_tables(found: &FlowAnalysis) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
     let curves: Vec<(&str, &YieldingState)> = found
-        .plotted_models()
+        .select_plotted_models()
         .iter()
         .filter_map(|shown| Some((shown.kind.name(), shown.yielding_state()?)))
         .filter(|(_, state)| state.has_curves())

@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::report::ReportPicture;
 use crate::report::format::{case_title, format_order, format_short};
-use crate::study::point::{FlowAnalysis, FlowPoint, YieldingState};
+use crate::study::point::{FlowAnalysis, FlowModelAnalysis, YieldingState};
 use figures::{
     AxisMark, Direction, DirectionKind, DirectionsFigure, GrowthFigure, GrowthPanel, LabelledCurve,
     PolarFigure, Spoke, SpokeStyle,
@@ -11,14 +11,14 @@ use figures::{
 use models::common::elementary::Elementary;
 
 /// Creates the figures of growth rates, if sampled, and of characteristic directions, if the state is fully deforming.
-pub(super) fn create_pictures(case: &Case, found: &FlowPoint) -> Vec<ReportPicture> {
-    let shown: Vec<PlottedModel> =
-        found.plotted_models().iter().filter_map(PlottedModel::new).collect();
+pub(super) fn create_pictures(case: &Case, found: &FlowAnalysis) -> Vec<ReportPicture> {
+    let models: Vec<PlottedModel> =
+        found.select_plotted_models().iter().filter_map(PlottedModel::new).collect();
     let mut pictures = Vec::new();
-    if shown.iter().any(|shown| shown.state.has_curves()) {
-        let growth = create_growth_figure(case, &shown);
+    if models.iter().any(|models| models.yielding_state.has_curves()) {
+        let growth = create_growth_figure(case, &models);
         pictures.push(ReportPicture::new("growth", move |format| growth.draw(format)));
-        let polar = create_polar_figure(case, &shown);
+        let polar = create_polar_figure(case, &models);
         pictures.push(ReportPicture::new("polar", move |format| polar.draw(format)));
     }
     if let Some(own) = PlottedModel::new(&found.analysis) {
@@ -28,21 +28,24 @@ pub(super) fn create_pictures(case: &Case, found: &FlowPoint) -> Vec<ReportPictu
     pictures
 }
 
-/// Model and its analysis of a fully deforming state.
+/// Title of a model and its analysis of a fully deforming state, for plotting.
 struct PlottedModel<'a> {
-    title: &'static str,
-    state: &'a YieldingState,
+    model_title: &'static str,
+    yielding_state: &'a YieldingState,
 }
 
 impl<'a> PlottedModel<'a> {
-    fn new(analysis: &'a FlowAnalysis) -> Option<Self> {
-        Some(Self { title: analysis.kind.title(), state: analysis.yielding_state()? })
+    fn new(analysis: &'a FlowModelAnalysis) -> Option<Self> {
+        Some(Self {
+            model_title: analysis.kind.title(),
+            yielding_state: analysis.yielding_state()?,
+        })
     }
 
     /// Returns the legend: name of the model, order of growth from the fit, and exact order of growth from the verdict.
     fn format_legend(&self) -> String {
-        let Self { title, state } = self;
-        let exact = match (state.verdict, state.order) {
+        let Self { model_title: title, yielding_state: state } = self;
+        let exact = match (state.verdict, state.growth_order) {
             (_, Some(order)) => format!("exact {}", format_order(order)),
             ("ill-posed", None) => return format!("{title}: unbounded at all k (upper edge)"),
             ("well-posed", None) => "exact: bounded".into(),
@@ -61,47 +64,49 @@ impl<'a> PlottedModel<'a> {
 }
 
 /// Returns the models with sampled growth rates.
-fn models_with_curves<'a>(
-    shown: &'a [PlottedModel<'a>],
+fn select_models_with_curves<'a>(
+    models: &'a [PlottedModel<'a>],
 ) -> impl Iterator<Item = &'a PlottedModel<'a>> {
-    shown.iter().filter(|shown| shown.state.has_curves())
+    models.iter().filter(|models| models.yielding_state.has_curves())
 }
 
-/// Returns the degenerate directions of all models, degrees, merged if closer than `apart` degrees.
-fn collect_degenerate_directions(shown: &[PlottedModel], apart: f64) -> Vec<f64> {
+/// Returns the degenerate directions of all models, degrees, merged if closer than `min_separation` degrees.
+fn collect_degenerate_directions(models: &[PlottedModel], min_separation: f64) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
-    for &angle in
-        models_with_curves(shown).flat_map(|s| &s.state.evidence.degenerate_directions_deg)
+    for &angle in select_models_with_curves(models)
+        .flat_map(|s| &s.yielding_state.evidence.degenerate_directions_deg)
     {
-        if found.iter().all(|other| (other - angle).abs() > apart) {
+        if found.iter().all(|other| (other - angle).abs() > min_separation) {
             found.push(angle);
         }
     }
     found
 }
 
-fn create_growth_figure(case: &Case, shown: &[PlottedModel]) -> GrowthFigure {
+fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
     let wave = case.material.numbers.wave;
     let lines = |points: fn(&YieldingState) -> Vec<[f64; 2]>| {
-        models_with_curves(shown)
-            .map(|shown| LabelledCurve {
-                label: shown.format_legend(),
-                points: points(shown.state),
+        select_models_with_curves(models)
+            .map(|models| LabelledCurve {
+                label: models.format_legend(),
+                points: points(models.yielding_state),
             })
             .collect::<Vec<_>>()
     };
-    let asymptotes = models_with_curves(shown).filter_map(|PlottedModel { state, .. }| {
-        let (order, coefficient) = (state.order?, state.coefficient?);
-        let asymptote = |k: f64| coefficient * k.cr_powf(order);
-        let points = state
-            .growth_by_wave_number
-            .iter()
-            .map(|at| [at.wave_number, asymptote(at.wave_number)]);
-        Some(LabelledCurve {
-            label: "exact asymptote: coefficient · k^order".into(),
-            points: points.collect(),
-        })
-    });
+    let asymptotes = select_models_with_curves(models).filter_map(
+        |PlottedModel { yielding_state: state, .. }| {
+            let (order, coefficient) = (state.growth_order?, state.growth_coefficient?);
+            let asymptote = |k: f64| coefficient * k.cr_powf(order);
+            let points = state
+                .growth_by_wave_number
+                .iter()
+                .map(|at| [at.wave_number, asymptote(at.wave_number)]);
+            Some(LabelledCurve {
+                label: "exact asymptote: coefficient · k^order".into(),
+                points: points.collect(),
+            })
+        },
+    );
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
@@ -115,7 +120,7 @@ fn create_growth_figure(case: &Case, shown: &[PlottedModel]) -> GrowthFigure {
             is_x_log: false,
             curves: lines(|state| state.growth_by_direction.clone()),
             reference_lines: Vec::new(),
-            marks: collect_degenerate_directions(shown, 0.5)
+            marks: collect_degenerate_directions(models, 0.5)
                 .into_iter()
                 .map(|x| AxisMark { label: format!("{}°", format_short(x)), x })
                 .collect(),
@@ -139,9 +144,10 @@ fn create_growth_figure(case: &Case, shown: &[PlottedModel]) -> GrowthFigure {
 
 /// Creates the polar figure of the growth rate against the direction of the wave vector. Characteristics are curves in
 /// physical space, hence their normals are drawn as wave vector directions.
-fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
+fn create_polar_figure(case: &Case, models: &[PlottedModel]) -> PolarFigure {
     let mut spokes: Vec<Spoke> = Vec::new();
-    for c in shown.iter().flat_map(|shown| shown.state.characteristics.iter().flatten()) {
+    for c in models.iter().flat_map(|models| models.yielding_state.characteristics.iter().flatten())
+    {
         let spoke = Spoke {
             label: c.family.clone(),
             angle_deg: (c.angle_deg + 90.0).rem_euclid(180.0),
@@ -154,7 +160,7 @@ fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
             spokes.push(spoke);
         }
     }
-    spokes.extend(collect_degenerate_directions(shown, 1e-6).into_iter().map(|angle_deg| Spoke {
+    spokes.extend(collect_degenerate_directions(models, 1e-6).into_iter().map(|angle_deg| Spoke {
         label: String::new(),
         angle_deg,
         style: SpokeStyle::DegenerateDirection,
@@ -168,10 +174,10 @@ fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
         ),
         symbol: "Re ς".into(),
         unit: "1/s".into(),
-        curves: models_with_curves(shown)
-            .map(|shown| LabelledCurve {
-                label: shown.title.into(),
-                points: shown.state.growth_by_direction.clone(),
+        curves: select_models_with_curves(models)
+            .map(|models| LabelledCurve {
+                label: models.model_title.into(),
+                points: models.yielding_state.growth_by_direction.clone(),
             })
             .collect(),
         spokes,
@@ -179,7 +185,7 @@ fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
 }
 
 fn create_directions_figure(case: &Case, own: &PlottedModel) -> DirectionsFigure {
-    let PlottedModel { title, state } = own;
+    let PlottedModel { model_title: title, yielding_state: state } = own;
     let mut directions: Vec<Direction> = state
         .characteristics
         .iter()

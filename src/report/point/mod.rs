@@ -11,7 +11,7 @@ use crate::study::PointResult;
 
 impl Report for PointResult {
     const NAME: &'static str = "point";
-    const ENDS_WITH_PICTURE: bool = false;
+    const ENDS_WITH_PICTURE_PATH: bool = false;
 
     fn to_text(&self, case: &Case) -> String {
         match self {

@@ -4,7 +4,7 @@ use crate::case::{Case, ModelKind};
 use crate::report::ReportPicture;
 use crate::report::format::{VALIDITY_NOTE, case_title, format_normal as at, format_short};
 use crate::setup::solid::wave_normal;
-use crate::study::SolidPoint;
+use crate::study::SolidAnalysis;
 use crate::study::format::describe_evidence;
 use analysis::growth::Verdict;
 use analysis::solids::Hyperbolicity;
@@ -14,7 +14,7 @@ use models::solid::parameters::Theory;
 use num_complex::Complex64;
 use std::fmt::Write as _;
 
-pub(super) fn format_text(case: &Case, found: &SolidPoint) -> String {
+pub(super) fn format_text(case: &Case, found: &SolidAnalysis) -> String {
     let case = &case.with_block_material();
     let mut text = format!(
         "{}\nmodel: {}, {}\n",
@@ -40,7 +40,7 @@ pub(super) fn format_text(case: &Case, found: &SolidPoint) -> String {
         at(wave_normal(&wave)),
         found.zero_root_count
     );
-    for [re, im] in &found.roots {
+    for [re, im] in &found.dispersion_roots {
         let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", format_short(*re));
     }
     write_verdict(found, &mut text);
@@ -48,7 +48,7 @@ pub(super) fn format_text(case: &Case, found: &SolidPoint) -> String {
     text
 }
 
-fn write_yielding(found: &SolidPoint, text: &mut String) {
+fn write_yielding(found: &SolidAnalysis, text: &mut String) {
     let Some(active) = &found.active_conditions else { return };
     let flow = if found.is_associated { "associated" } else { "non-associated" };
     let _ = writeln!(text, "\nYielding, {flow}");
@@ -82,7 +82,7 @@ fn format_speeds(squares: &[[f64; 2]]) -> String {
     squares.iter().map(speed).collect::<Vec<_>>().join(", ")
 }
 
-fn write_speeds(case: &Case, found: &SolidPoint, text: &mut String) {
+fn write_speeds(case: &Case, found: &SolidAnalysis, text: &mut String) {
     let _ = writeln!(
         text,
         "\nCharacteristic speeds {}, m/s",
@@ -106,26 +106,26 @@ fn write_speeds(case: &Case, found: &SolidPoint, text: &mut String) {
     );
 }
 
-fn write_extremes(found: &SolidPoint, text: &mut String) {
+fn write_extremes(found: &SolidAnalysis, text: &mut String) {
     let hyperbolicity = found.assessment.hyperbolicity;
     let _ = writeln!(text, "\nSpeeds over all directions: {}", hyperbolicity.description());
-    if let Some(flutter) = found.flutter {
+    if let Some(flutter) = found.strongest_flutter {
         let [re, im] = flutter.squared_speed;
         let _ = writeln!(
             text,
             "  strongest flutter   c² = {} ± {}i m²/s² {}: short waves grow as {} k",
             format_short(re),
             format_short(im.abs()),
-            at(flutter.normal.vector),
+            at(flutter.wave_normal.vector),
             format_short(flutter.max_imaginary_speed)
         );
     }
-    let slowest = found.slowest;
+    let slowest = found.slowest_wave;
     let _ = match found.assessment.is_stationary() {
         true => writeln!(
             text,
             "  slowest wave        c² = 0 {}: a stationary discontinuity{}",
-            at(slowest.normal.vector),
+            at(slowest.wave_normal.vector),
             match &found.solid.plastic_state {
                 Some(own) if own.set.half_spaces().is_some() => {
                     " (slip along a layer always has zero speed)"
@@ -138,7 +138,7 @@ fn write_extremes(found: &SolidPoint, text: &mut String) {
             "  slowest wave        c² = {} m²/s² {}{}",
             format_short(slowest.squared_speed),
             match found.solid.plastic_state {
-                Some(_) => at(slowest.normal.vector),
+                Some(_) => at(slowest.wave_normal.vector),
                 None => "in all directions".into(),
             },
             if slowest.squared_speed < 0.0 { ": a shear band grows" } else { "" }
@@ -146,13 +146,16 @@ fn write_extremes(found: &SolidPoint, text: &mut String) {
     };
 }
 
-fn write_energy(found: &SolidPoint, text: &mut String) {
-    let energy = &found.energy;
+fn write_energy(found: &SolidAnalysis, text: &mut String) {
+    let energy = &found.energy_defects;
     let _ = writeln!(text, "\nEnergy");
     let mut line = |name: &str, value: f64| {
         let _ = writeln!(text, "  {name:<58}{value:.1e}");
     };
-    line("smallest eigenvalue of the symmetriser (unit diagonal)", energy.definiteness);
+    line(
+        "smallest eigenvalue of the symmetriser (unit diagonal)",
+        energy.min_symmetriser_eigenvalue,
+    );
     line("asymmetry of B, elastic", energy.asymmetry);
     line("asymmetry of Q + Qᵀ, elastic", energy.antisymmetry_defect);
     line("maximum |Re ς|/|ς| over sampled waves, elastic", energy.elastic_growth);
@@ -161,7 +164,7 @@ fn write_energy(found: &SolidPoint, text: &mut String) {
     }
 }
 
-fn write_verdict(found: &SolidPoint, text: &mut String) {
+fn write_verdict(found: &SolidAnalysis, text: &mut String) {
     let assessment = &found.assessment;
     let _ = writeln!(text, "\nVerdict: {}", found.verdict);
     let evidence = match &assessment.verdict {
@@ -189,12 +192,12 @@ fn write_verdict(found: &SolidPoint, text: &mut String) {
 }
 
 /// Creates the figure of the growth rate against direction and wave number.
-pub(super) fn create_pictures(case: &Case, found: &SolidPoint) -> Vec<ReportPicture> {
+pub(super) fn create_pictures(case: &Case, found: &SolidAnalysis) -> Vec<ReportPicture> {
     let figure = create_figure(&case.with_block_material(), found);
     vec![ReportPicture::new("growth", move |format| figure.draw(format))]
 }
 
-fn create_figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
+fn create_figure(case: &Case, found: &SolidAnalysis) -> GrowthFigure {
     let wave = case.material.numbers.wave;
     let along = |[direction, elevation]: [f64; 2]| match elevation {
         0.0 => format!("along {}°", format_short(direction)),
@@ -208,14 +211,14 @@ fn create_figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
     if let (Some(direction), Some(elevation)) = (found.direction_deg, found.elevation_deg) {
         curves.push(LabelledCurve {
             label: format!("{}, where short waves grow fastest", along([direction, elevation])),
-            points: found.growth_in_worst_direction.clone(),
+            points: found.growth_in_fastest_direction.clone(),
         });
-        if let (Some(order), Some(coefficient)) = (found.order, found.coefficient) {
+        if let (Some(order), Some(coefficient)) = (found.growth_order, found.growth_coefficient) {
             let asymptote = |k: f64| coefficient * k.cr_powf(order);
             guides.push(LabelledCurve {
                 label: "exact asymptote: coefficient · k^order".into(),
                 points: found
-                    .growth_in_worst_direction
+                    .growth_in_fastest_direction
                     .iter()
                     .map(|&[k, _]| [k, asymptote(k)])
                     .collect(),

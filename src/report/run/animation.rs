@@ -1,9 +1,11 @@
 //! Animation of the snapshots of a run.
 
-use super::joints::{JointScale, create_line_sets, read_joint_lines};
+use super::joints::{
+    JointLineScale, create_face_line_sets, create_line_sets, face_value, read_joint_lines,
+};
 use super::{flow, solid};
 use crate::Error;
-use crate::case::dynamics::Blocks;
+use crate::case::dynamics::{Blocks, FaceQuantity, PlottedQuantity};
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::JointFace;
 use figures::{FieldFigure, GifAnimation};
@@ -18,46 +20,54 @@ type FigureBuilder<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
 pub struct FrameConverter<'a> {
     read_values: SnapshotReader<'a>,
     build_figure: FigureBuilder<'a>,
-    /// Blocky medium with joints.
-    blocks: Option<&'a Blocks>,
+    /// Blocks and joints of a blocky medium; `None` for other media.
+    jointed_blocks: Option<&'a Blocks>,
+    /// Plotted quantity of the faces of joints; `None` if values of cells are plotted.
+    face_quantity: Option<FaceQuantity>,
 }
 
-/// Scale common to all frames of an animation.
+/// Colour scale and line widths common to all frames of an animation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameScale {
-    /// Largest magnitude of the plotted quantity, the end of the colour scale.
+    /// Largest magnitude of the plotted quantity, in display units, which is the end of the colour scale.
     pub max_magnitude: f64,
-    /// Largest slip and opening of joints.
-    pub joints: JointScale,
+    /// Largest slip and opening of joints, which determine line widths.
+    pub joint_line_scale: JointLineScale,
 }
 
 impl FrameScale {
-    /// Returns the scale of both the frames of `self` and of `other`.
+    /// Returns the larger values of two scales, which fit the frames of both.
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self {
             max_magnitude: self.max_magnitude.max(other.max_magnitude),
-            joints: self.joints.max(other.joints),
+            joint_line_scale: self.joint_line_scale.max(other.joint_line_scale),
         }
     }
 }
 
 /// Time and values of a snapshot to be drawn.
 pub struct AnimationFrame {
-    /// Time of the snapshot, s.
-    time: f64,
+    /// Simulated time of the snapshot, s.
+    snapshot_time: f64,
     /// Values to be drawn, in display units, first axis of the picture fastest.
     values: Vec<f64>,
-    /// Faces of joints.
-    joints: Vec<JointFace>,
+    /// Faces of the joints of a blocky medium, with their states; empty without joints.
+    joint_faces: Vec<JointFace>,
+    /// Plotted quantity of the faces, if the values of cells are not plotted.
+    face_quantity: Option<FaceQuantity>,
 }
 
 impl AnimationFrame {
-    /// Returns the largest absolute value in the frame, and the largest slip and opening.
+    /// Returns the scale of this frame alone: the largest magnitude of its values, and the largest slip and opening.
     pub fn scale(&self) -> FrameScale {
+        let faces = self.face_quantity.into_iter().flat_map(|quantity| {
+            self.joint_faces.iter().map(move |face| face_value(&face.record, quantity))
+        });
+        let plotted = self.values.iter().copied().chain(faces);
         FrameScale {
-            max_magnitude: self.values.iter().fold(0.0, |sum, value| sum.max(value.abs())),
-            joints: JointScale::new(&self.joints),
+            max_magnitude: plotted.fold(0.0, |largest, value| largest.max(value.abs())),
+            joint_line_scale: JointLineScale::new(&self.joint_faces),
         }
     }
 }
@@ -69,10 +79,10 @@ impl<'a> FrameConverter<'a> {
     /// The case has no simulation.
     pub fn new(case: &'a Case) -> Result<Option<Self>, Error> {
         Ok(match case.time_domain_run()? {
-            TimeDomainRun::Solid(dynamics) if dynamics.output.snapshot_interval > 0.0 => {
-                let section = solid::PlaneSection::new(dynamics);
-                let picture = dynamics.output.plotted_quantity;
-                let drawn = solid::PlaneSection::new(dynamics);
+            TimeDomainRun::Solid(solid_run) if solid_run.output.snapshot_interval > 0.0 => {
+                let section = solid::PlaneSection::new(solid_run);
+                let picture = solid_run.output.plotted_quantity;
+                let drawn = solid::PlaneSection::new(solid_run);
                 Some(Self {
                     read_values: Box::new(move |bytes| {
                         section.read_snapshot_values(bytes, picture)
@@ -80,13 +90,18 @@ impl<'a> FrameConverter<'a> {
                     build_figure: Box::new(move |time, values| {
                         drawn.create_figure(case, picture, time, values)
                     }),
-                    blocks: dynamics.blocks.as_ref().filter(|blocks| blocks.has_joints()),
+                    jointed_blocks: solid_run.blocks.as_ref().filter(|blocks| blocks.has_joints()),
+                    face_quantity: match picture {
+                        PlottedQuantity::Face(quantity) => Some(quantity),
+                        _ => None,
+                    },
                 })
             }
             TimeDomainRun::Flow(run) if run.output.snapshot_interval > 0.0 => Some(Self {
                 read_values: Box::new(|bytes| flow::read_snapshot_values(bytes, run)),
                 build_figure: Box::new(|time, values| flow::create_figure(case, run, time, values)),
-                blocks: None,
+                jointed_blocks: None,
+                face_quantity: None,
             }),
             _ => None,
         })
@@ -94,7 +109,7 @@ impl<'a> FrameConverter<'a> {
 
     /// Returns whether the snapshots of the case have files of joints.
     pub fn has_joints(&self) -> bool {
-        self.blocks.is_some()
+        self.jointed_blocks.is_some()
     }
 
     /// Reads time and values from the bytes of a snapshot.
@@ -103,7 +118,12 @@ impl<'a> FrameConverter<'a> {
     /// The bytes are not a snapshot of this case; the error is a message.
     pub fn read_frame(&self, snapshot: &[u8]) -> Result<AnimationFrame, String> {
         let time = files::vti::read_plain_time(snapshot).ok_or("has no time")?;
-        Ok(AnimationFrame { time, values: (self.read_values)(snapshot)?, joints: Vec::new() })
+        Ok(AnimationFrame {
+            snapshot_time: time,
+            values: (self.read_values)(snapshot)?,
+            joint_faces: Vec::new(),
+            face_quantity: self.face_quantity,
+        })
     }
 
     /// Reads the faces of joints of a frame from the bytes of their file.
@@ -111,7 +131,7 @@ impl<'a> FrameConverter<'a> {
     /// # Errors
     /// The bytes are not a file of joints; the error is a message.
     pub fn read_joints(&self, frame: &mut AnimationFrame, joints: &[u8]) -> Result<(), String> {
-        frame.joints = read_joint_lines(joints)?;
+        frame.joint_faces = read_joint_lines(joints)?;
         Ok(())
     }
 
@@ -129,11 +149,14 @@ impl<'a> FrameConverter<'a> {
         let animation = GifAnimation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH_PIXELS);
         let mut animation = animation.map_err(Error::from)?;
         for frame in frames {
-            let AnimationFrame { time, values, joints } = frame?;
+            let AnimationFrame { snapshot_time: time, values, joint_faces: joints, .. } = frame?;
             let mut figure = (self.build_figure)(time, values);
             figure.fixed_limit = Some(scale.max_magnitude);
-            if let Some(blocks) = self.blocks {
-                figure.line_sets = create_line_sets(blocks, &joints, scale.joints);
+            if let Some(blocks) = self.jointed_blocks {
+                figure.line_sets = match self.face_quantity {
+                    Some(quantity) => create_face_line_sets(blocks, &joints, quantity),
+                    None => create_line_sets(blocks, &joints, scale.joint_line_scale),
+                };
             }
             animation.add_frame(&figure).map_err(Error::from)?;
         }

@@ -14,7 +14,7 @@ pub(super) fn encode_fields(fields: &OutputFields) -> Result<Vec<u8>, Error> {
         archive.add_f64(&format!("x{}", axis + 1), &[along.len()], along)?;
     }
     archive.add_f64("time", &[], &[fields.time])?;
-    if let Some(deformation) = &fields.deformation {
+    if let Some(deformation) = &fields.deformation_gradient {
         archive.add_f64("deformation", &[2, 2], deformation.as_flattened())?;
     }
     let names: Vec<&str> = fields.quantities.iter().map(|own| own.name.as_str()).collect();
@@ -26,11 +26,12 @@ pub(super) fn encode_fields(fields: &OutputFields) -> Result<Vec<u8>, Error> {
     for own in &fields.quantities {
         archive.add_f64(&own.name, &shape, &own.values)?;
     }
-    if !fields.dissipation.is_empty() {
-        archive.add_f64("dissipation", &shape, &fields.dissipation)?;
+    if !fields.plastic_dissipation.is_empty() {
+        archive.add_f64("dissipation", &shape, &fields.plastic_dissipation)?;
     }
-    if !fields.regions.is_empty() {
-        let regions: Vec<i32> = fields.regions.iter().map(|&region| i32::from(region)).collect();
+    if !fields.region_indices.is_empty() {
+        let regions: Vec<i32> =
+            fields.region_indices.iter().map(|&region| i32::from(region)).collect();
         archive.add_i32("region", &shape, &regions)?;
     }
     Ok(archive.finish()?)
@@ -48,9 +49,9 @@ pub fn read_fields(bytes: &[u8], cells: usize) -> Result<OutputFields, NpzError>
         match (name.as_str(), values) {
             ("time", ArrayValues::F64(time)) => fields.time = time.first().copied().unwrap_or(0.0),
             ("x1" | "x2" | "x3", ArrayValues::F64(along)) => fields.coordinates.push(along),
-            ("dissipation", ArrayValues::F64(values)) => fields.dissipation = values,
+            ("dissipation", ArrayValues::F64(values)) => fields.plastic_dissipation = values,
             ("region", ArrayValues::I32(regions)) => {
-                fields.regions = regions.iter().map(|&region| region as u16).collect();
+                fields.region_indices = regions.iter().map(|&region| region as u16).collect();
             }
             ("deformation", _) => {}
             (_, ArrayValues::F64(values)) => {

@@ -13,8 +13,14 @@ use std::fmt::{Display, Formatter, Result};
 
 impl Display for SimulationPlan {
     fn fmt(&self, formatter: &mut Formatter) -> Result {
-        match &self.size {
-            ProblemSize::Solid { cells, fields, steps, time_step, limit } => {
+        match &self.problem_size {
+            ProblemSize::Solid {
+                cell_counts: cells,
+                field_count: fields,
+                step_count: steps,
+                time_step,
+                step_limit: limit,
+            } => {
                 let cells: Vec<String> = cells.iter().map(usize::to_string).collect();
                 write!(
                     formatter,
@@ -27,7 +33,12 @@ impl Display for SimulationPlan {
                     },
                 )
             }
-            ProblemSize::Flow { points: [first, second], model, duration, wave_numbers } => {
+            ProblemSize::Flow {
+                point_counts: [first, second],
+                model_title: model,
+                duration,
+                wave_numbers,
+            } => {
                 let duration = format_short(*duration);
                 let [least, greatest] = wave_numbers.map(format_short);
                 write!(
@@ -36,13 +47,19 @@ impl Display for SimulationPlan {
                 )
             }
         }?;
-        write!(formatter, ", memory {}; {}", self.memory, self.cost)
+        write!(formatter, ", memory {}; {}", self.required_memory, self.cost)
     }
 }
 
 impl Display for Cost {
     fn fmt(&self, formatter: &mut Formatter) -> Result {
-        let Self { time, snapshots, snapshot_bytes, table_bytes, .. } = *self;
+        let Self {
+            single_thread_time: time,
+            snapshot_count: snapshots,
+            snapshot_bytes,
+            table_bytes,
+            ..
+        } = *self;
         write!(formatter, "about {} of one thread, tables of {table_bytes}", DisplayTime(time))?;
         match snapshots > 0.0 {
             true => write!(formatter, ", {} in {snapshot_bytes}", CostAmount::Snapshots(snapshots)),
@@ -103,7 +120,7 @@ impl Display for Bytes {
 impl Display for SimulationWarning {
     fn fmt(&self, formatter: &mut Formatter) -> Result {
         match self {
-            Self::FewSteps { entry, steps } => {
+            Self::FewSteps { entry_key: entry, steps_per_time_scale: steps } => {
                 let steps = format_short(*steps);
                 write!(
                     formatter,
@@ -116,7 +133,7 @@ impl Display for SimulationWarning {
                  large or too small for scheme.precision",
                 format_short(100.0 * part)
             ),
-            Self::Sawtooth { entry } => write!(
+            Self::Sawtooth { entry_key: entry } => write!(
                 formatter,
                 "{entry} acts on one cell: at Courant number 1 the sawtooth that it excites is not damped; \
                  the kernel \"spline\" excites none"
@@ -127,7 +144,7 @@ impl Display for SimulationWarning {
 
 impl Display for StopReport {
     fn fmt(&self, formatter: &mut Formatter) -> Result {
-        let Self { cause, time, last_valid_time: saved } = self;
+        let Self { cause, detection_time: time, last_valid_time: saved } = self;
         let remedy = match cause {
             StopCause::NonFiniteField { .. } | StopCause::NonFiniteEnergy => {
                 "loads or initial values may exceed the floating-point range"
@@ -202,6 +219,9 @@ pub(super) fn axis_label(name: &str) -> String {
         "phi" => ("rotation", "φ"),
         "psi_deg" => return "stress angle ψ, °".to_owned(),
         "p" => ("pressure", "p"),
+        "slip" => return "slip of joints, m".to_owned(),
+        "opening" => return "opening of joints, m".to_owned(),
+        "pressure" => return "pressure of fluid p, Pa".to_owned(),
         "shear_rate" => ("shear rate", "Q_D"),
         _ => return "plastic dissipation, J/m³".to_owned(),
     };

@@ -117,11 +117,11 @@ pub(super) fn create_figure(
 /// from the first to the last.
 fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPicture> {
     /// Maximum number of spectra drawn, one per time.
-    const MAX_LINES: usize = 6;
+    const MAX_SPECTRA: usize = 6;
     let (times, shells) = table.columns.split_first()?;
     let times = &times.values;
     let last = times.len().saturating_sub(1);
-    let count = MAX_LINES.min(times.len());
+    let count = MAX_SPECTRA.min(times.len());
     let rows = (0..count).map(|line| line * last / (count - 1).max(1));
     let lines = rows.map(|row| LabelledCurve {
         label: format!("t = {} s", format_short(times[row])),

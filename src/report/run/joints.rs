@@ -1,7 +1,7 @@
-//! Tables, archives and VTK files of the joints of a blocky medium, and their lines in pictures.
+//! Files of the joints of a blocky medium (table, archive, VTK), and the lines that show joints in pictures.
 
 use crate::Error;
-use crate::case::dynamics::{Blocks, SolidGrid};
+use crate::case::dynamics::{Blocks, FaceQuantity, SolidGrid};
 use crate::study::simulate::{FaceRecord, JOINT_QUANTITIES, JointFace};
 use figures::{FieldLine, FieldLineSet, FieldLineStyle};
 use files::csv::{CsvCell, format_table};
@@ -9,44 +9,44 @@ use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_array
 use files::vti::{LineData, POINTS_ARRAY, Storage};
 
 /// Column of a table of joints: name, unit, and value by face.
-type Column = (&'static str, &'static str, fn(&JointFace) -> f64);
+type FaceColumn = (&'static str, &'static str, fn(&JointFace) -> f64);
 
-/// Position and identity of a face, the columns before its [`JOINT_QUANTITIES`]; the axis is counted from 1.
-const PLACE_COLUMNS: [Column; 4] = [
+/// Columns of position and identity of a face, which precede its [`JOINT_QUANTITIES`]; the axis is counted from 1.
+const POSITION_COLUMNS: [FaceColumn; 4] = [
     ("x1", "m", |face| face.position[0]),
     ("x2", "m", |face| face.position[1]),
     ("axis", "1", |face| (face.axis + 1) as f64),
-    ("joint", "1", |face| face.joint as f64),
+    ("joint", "1", |face| face.joint_index as f64),
 ];
 
-/// Renders the table of all faces, a row per face.
+/// Renders the CSV table of all faces, with one row per face.
 ///
 /// # Errors
-/// None in practice: all rows have the length of the header.
+/// Cannot occur: all rows have the length of the header.
 pub(super) fn format_csv(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
-    let places = PLACE_COLUMNS.iter().map(|column| column.0);
+    let places = POSITION_COLUMNS.iter().map(|column| column.0);
     let header: Vec<&str> = places.chain(JOINT_QUANTITIES.iter().map(|own| own.0)).collect();
     let row = |face: &JointFace| -> Vec<CsvCell> {
-        let place = PLACE_COLUMNS.iter().map(|(_, _, value)| value(face));
+        let place = POSITION_COLUMNS.iter().map(|(_, _, value)| value(face));
         let state = JOINT_QUANTITIES.iter().map(|(_, _, value)| value(&face.record));
         place.chain(state).map(CsvCell::Number).collect()
     };
     Ok(format_table(&header, faces.iter().map(row))?)
 }
 
-/// Renders the archive of all faces, with one array per column.
+/// Renders the NPZ archive of all faces, with one array per column.
 ///
 /// # Errors
 /// The archive cannot be created.
 pub(super) fn encode_npz(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
     let mut archive = NpzWriter::new();
-    let columns = PLACE_COLUMNS.iter().map(|(name, unit, _)| (*name, *unit));
+    let columns = POSITION_COLUMNS.iter().map(|(name, unit, _)| (*name, *unit));
     let columns = columns.chain(JOINT_QUANTITIES.iter().map(|(name, unit, _)| (*name, *unit)));
     let (names, units): (Vec<&str>, Vec<&str>) = columns.unzip();
     archive.add_text("names", &[names.len()], &names)?;
     archive.add_text("units", &[units.len()], &units)?;
     let shape = [faces.len()];
-    for (name, unit, value) in PLACE_COLUMNS {
+    for (name, unit, value) in POSITION_COLUMNS {
         let values: Vec<f64> = faces.iter().map(value).collect();
         if unit == "m" {
             archive.add_f64(name, &shape, &values)?;
@@ -74,7 +74,7 @@ pub fn create_joint_lines(faces: &[JointFace], time: f64) -> Result<LineData, Er
         faces.iter().map(|face| value(face) as i32).collect()
     };
     lines.add_array("axis", &integers(|face| face.axis + 1))?;
-    lines.add_array("joint", &integers(|face| face.joint))?;
+    lines.add_array("joint", &integers(|face| face.joint_index))?;
     for (name, unit, value) in JOINT_QUANTITIES {
         let values: Vec<f64> = faces.iter().map(|face| value(&face.record)).collect();
         lines.add_array(&array_name(name, unit), &values)?;
@@ -107,7 +107,7 @@ fn build_record(value: impl Fn(&str) -> Option<f64>) -> Option<FaceRecord<f64>> 
 /// Reads the faces from the archive of a run on a plane grid.
 ///
 /// # Errors
-/// The archive is damaged; faces are absent if it holds other arrays.
+/// The archive is damaged. If it is valid but contains other arrays, the list of faces is empty.
 pub fn read_joints(bytes: &[u8], grid: &SolidGrid) -> Result<Vec<JointFace>, NpzError> {
     let is_numbers = |name: &str| !["names", "units"].contains(&name);
     let arrays = read_selected_arrays(bytes, is_numbers, 2 * grid.cell_count())?;
@@ -127,7 +127,7 @@ pub fn read_joints(bytes: &[u8], grid: &SolidGrid) -> Result<Vec<JointFace>, Npz
             position: [number("x1", index)?, number("x2", index)?],
             axis,
             length: *grid.spacing.get(1 - axis)?,
-            joint: number("joint", index)? as usize,
+            joint_index: number("joint", index)? as usize,
             record: build_record(|name| number(name, index))?,
         })
     };
@@ -135,11 +135,11 @@ pub fn read_joints(bytes: &[u8], grid: &SolidGrid) -> Result<Vec<JointFace>, Npz
     Ok((0..count).map_while(face).collect())
 }
 
-/// Reads the faces of joints from the ParaView file of a snapshot, for drawing; the index of the joint is not read and set
-/// to 0.
+/// Reads the faces of joints from the ParaView file of a snapshot, for drawing; sets the index of the joint to 0, since
+/// it is not read.
 ///
 /// # Errors
-/// A message if an array is absent or too short.
+/// An array is absent or too short; the error is a message.
 pub(super) fn read_joint_lines(bytes: &[u8]) -> Result<Vec<JointFace>, String> {
     let read = |name: &str| {
         files::vti::read_plain_values(bytes, name).ok_or_else(|| format!("no array {name}"))
@@ -158,7 +158,7 @@ pub(super) fn read_joint_lines(bytes: &[u8]) -> Result<Vec<JointFace>, String> {
             position: [0, 1].map(|axis| 0.5 * (from[axis] + to[axis])),
             axis,
             length: to[1 - axis] - from[1 - axis],
-            joint: 0,
+            joint_index: 0,
             record: build_record(value)?,
         })
     };
@@ -166,52 +166,52 @@ pub(super) fn read_joint_lines(bytes: &[u8]) -> Result<Vec<JointFace>, String> {
     faces.collect::<Option<_>>().ok_or_else(|| "too few values of joints".to_owned())
 }
 
-/// Largest slip and opening of a run or of a state, m, to which the widest lines in pictures correspond.
+/// Largest slip and opening of joints, m, in a run or in a state; the widest lines in pictures correspond to them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct JointScale {
-    slip: f64,
-    /// Largest slip of a broken face.
-    broken_slip: f64,
-    opening: f64,
+pub struct JointLineScale {
+    max_slip: f64,
+    /// Largest slip of a broken face, m.
+    max_broken_slip: f64,
+    max_opening: f64,
     has_broken: bool,
 }
 
-impl JointScale {
+impl JointLineScale {
     /// Determines the largest slip and opening of a state.
     pub(super) fn new(faces: &[JointFace]) -> Self {
         let mut own = Self::default();
         for face in faces {
             match face.stage() {
-                JointStage::Open => own.opening = own.opening.max(face.record.opening),
+                JointStage::Open => own.max_opening = own.max_opening.max(face.record.opening),
                 JointStage::Broken => {
                     own.has_broken = true;
-                    own.broken_slip = own.broken_slip.max(face.record.slip);
+                    own.max_broken_slip = own.max_broken_slip.max(face.record.slip);
                 }
-                JointStage::Slipped => own.slip = own.slip.max(face.record.slip),
+                JointStage::Slipped => own.max_slip = own.max_slip.max(face.record.slip),
                 JointStage::Intact => {}
             }
         }
         own
     }
 
-    /// Returns the larger values of two scales.
+    /// Returns the larger values of two scales, which fit the lines of both.
     #[must_use]
     pub(super) fn max(self, other: Self) -> Self {
         Self {
-            slip: self.slip.max(other.slip),
-            broken_slip: self.broken_slip.max(other.broken_slip),
-            opening: self.opening.max(other.opening),
+            max_slip: self.max_slip.max(other.max_slip),
+            max_broken_slip: self.max_broken_slip.max(other.max_broken_slip),
+            max_opening: self.max_opening.max(other.max_opening),
             has_broken: self.has_broken || other.has_broken,
         }
     }
 }
 
-/// Most advanced state of a face, which determines its style in pictures.
+/// Stage that a face of a joint has reached, which determines its line style in pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum JointStage {
     Intact,
     Slipped,
-    /// Broken, and closed.
+    /// Broken, but not open.
     Broken,
     Open,
 }
@@ -227,12 +227,12 @@ impl JointFace {
     }
 }
 
-/// Creates the lines of the joints of a blocky medium: outlines of the blocks, then slipped, broken and open faces; the
-/// sets depend on the scale only. Empty without joints.
+/// Creates the lines of the joints of a blocky medium: outlines of the blocks, then slipped, broken and open faces.
+/// Which sets there are depends only on the scale. Empty without joints.
 pub(super) fn create_line_sets(
     blocks: &Blocks,
     faces: &[JointFace],
-    scale: JointScale,
+    scale: JointLineScale,
 ) -> Vec<FieldLineSet> {
     if !blocks.has_joints() {
         return Vec::new();
@@ -255,37 +255,80 @@ pub(super) fn create_line_sets(
         own.map(line).collect()
     };
     let mut sets = vec![set(FieldLineStyle::Outline, "joints", 0.0, create_outlines(blocks))];
-    if scale.slip > 0.0 {
+    if scale.max_slip > 0.0 {
         let lines = select(JointStage::Slipped, |own| own.slip);
-        sets.push(set(FieldLineStyle::Solid, "slip", scale.slip, lines));
+        sets.push(set(FieldLineStyle::Solid, "slip", scale.max_slip, lines));
     }
     if scale.has_broken {
         let lines = select(JointStage::Broken, |own| own.slip);
-        let label = match scale.broken_slip > 0.0 {
+        let label = match scale.max_broken_slip > 0.0 {
             true => "broken and closed, slip",
             false => "broken and closed",
         };
-        sets.push(set(FieldLineStyle::Dashed, label, scale.broken_slip, lines));
+        sets.push(set(FieldLineStyle::Dashed, label, scale.max_broken_slip, lines));
     }
-    if scale.opening > 0.0 {
+    if scale.max_opening > 0.0 {
         let lines = select(JointStage::Open, |own| own.opening);
-        sets.push(set(FieldLineStyle::Gap, "open, gap", scale.opening, lines));
+        sets.push(set(FieldLineStyle::Gap, "open, gap", scale.max_opening, lines));
     }
     sets
 }
 
-/// Returns the common faces of neighbouring blocks that have joints.
+/// Returns the value of a plotted quantity of a face.
+pub(super) fn face_value(record: &FaceRecord<f64>, quantity: FaceQuantity) -> f64 {
+    match quantity {
+        FaceQuantity::Slip => record.slip,
+        FaceQuantity::Opening => record.opening,
+        FaceQuantity::Pressure => record.pressure,
+    }
+}
+
+/// Creates the lines of a picture of a quantity of joints: outlines of the blocks, then the faces in the colours of
+/// their values. Empty without joints.
+pub(super) fn create_face_line_sets(
+    blocks: &Blocks,
+    faces: &[JointFace],
+    quantity: FaceQuantity,
+) -> Vec<FieldLineSet> {
+    if !blocks.has_joints() {
+        return Vec::new();
+    }
+    let line = |face: &JointFace| FieldLine {
+        axis: face.axis,
+        centre: face.position,
+        length: face.length,
+        value: face_value(&face.record, quantity),
+    };
+    let set = |style, label: &str, lines| FieldLineSet {
+        style,
+        label: label.to_owned(),
+        unit: String::new(),
+        lines,
+        limit: 0.0,
+    };
+    let label = match quantity {
+        FaceQuantity::Slip => "slip",
+        FaceQuantity::Opening => "opening",
+        FaceQuantity::Pressure => "pressure",
+    };
+    vec![
+        set(FieldLineStyle::Outline, "joints", create_outlines(blocks)),
+        set(FieldLineStyle::Coloured, label, faces.iter().map(line).collect()),
+    ]
+}
+
+/// Returns the common faces of adjacent blocks that are connected by joints.
 fn create_outlines(blocks: &Blocks) -> Vec<FieldLine> {
-    let contacts = blocks.contacts.iter().filter(|contact| contact.joint.is_some());
+    let contacts = blocks.contacts.iter().filter(|contact| contact.joint_index.is_some());
     let line = |contact: &crate::case::dynamics::BlockContact| {
         let (axis, along) = (contact.axis, 1 - contact.axis);
         let coordinate =
             |axis: usize, cells: f64| blocks.origin[axis] + cells * blocks.spacing[axis];
         let mut centre = [0.0; 2];
-        centre[axis] = coordinate(axis, contact.position as f64);
-        let middle = 0.5 * (contact.along.start + contact.along.end) as f64;
+        centre[axis] = coordinate(axis, contact.plane_index as f64);
+        let middle = 0.5 * (contact.tangential_cells.start + contact.tangential_cells.end) as f64;
         centre[along] = coordinate(along, middle);
-        let length = contact.along.len() as f64 * blocks.spacing[along];
+        let length = contact.tangential_cells.len() as f64 * blocks.spacing[along];
         FieldLine { axis, centre, length, value: 0.0 }
     };
     contacts.map(line).collect()

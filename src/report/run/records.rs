@@ -10,7 +10,7 @@ use figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace
 
 /// Returns the indices of the receivers that a picture names, out of `count` receivers: at most eight, evenly spaced
 /// from the first to the last.
-pub(super) fn evenly_spaced_indices(count: usize) -> impl Iterator<Item = usize> {
+pub(super) fn select_evenly_spaced_indices(count: usize) -> impl Iterator<Item = usize> {
     /// Maximum number of legend entries.
     const MAX_LEGEND_ENTRIES: usize = 8;
     let named = count.min(MAX_LEGEND_ENTRIES);
@@ -26,7 +26,7 @@ pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPict
         columns.iter().filter_map(|own| Some(own.name.rsplit_once('.')?.0)).collect();
     receivers.dedup();
     let drawn: Vec<&str> =
-        evenly_spaced_indices(receivers.len()).map(|index| receivers[index]).collect();
+        select_evenly_spaced_indices(receivers.len()).map(|index| receivers[index]).collect();
     let mut panels: Vec<(String, Vec<Trace>)> = Vec::new();
     for column in columns.iter().skip(1) {
         let Some((receiver, name)) = column.name.rsplit_once('.') else { continue };
@@ -50,7 +50,7 @@ pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPict
         notes.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
     }
     if !vanishing.is_empty() {
-        // The quantity is the part of the axis label before its unit.
+        // The name of the quantity is the text of the axis label before its unit.
         let quantity = |name: &String| axis_label(name).split(',').next().map(str::to_owned);
         let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
         notes.push(format!("omitted: {} (at rounding level)", names.join(", ")));
@@ -70,15 +70,15 @@ pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPict
 
 /// Returns the machine epsilon of the solver's precision.
 fn machine_epsilon(case: &Case) -> f64 {
-    match case.solid_run.as_ref().map(|dynamics| dynamics.scheme.precision) {
+    match case.solid_run.as_ref().map(|solid_run| solid_run.scheme.precision) {
         Some(Precision::F32) => f32::EPSILON.into(),
         _ => f64::EPSILON,
     }
 }
 
 /// Removes the panels of quantities that vanish within rounding and returns the names of these quantities. The
-/// reference is the largest value among all quantities of the same unit; on a separate scale rounding errors would look
-/// like motion. Panels that are exactly zero are kept. `rounding` is the machine epsilon.
+/// reference is the largest value among all quantities of the same unit; plotted on a separate scale, rounding errors
+/// would look like motion. Panels that are exactly zero are kept. `rounding` is the machine epsilon.
 fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
     /// Factor for the accumulation of rounding errors during a run.
     const ROUNDING_FACTOR: f64 = 256.0;

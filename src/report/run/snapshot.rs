@@ -11,8 +11,8 @@ use files::vti::{ImageData, ImageGrid, Storage};
 /// The case has no simulation, or the fields do not match its grid.
 pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Error> {
     let grid = match case.time_domain_run()? {
-        TimeDomainRun::Solid(dynamics) => {
-            let own = &dynamics.grid;
+        TimeDomainRun::Solid(solid_run) => {
+            let own = &solid_run.grid;
             ImageGrid {
                 cells: own.cells.clone(),
                 origin: own.origin.clone(),
@@ -27,7 +27,7 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
                 .to_vec(),
         },
     };
-    let mut image = match fields.deformation {
+    let mut image = match fields.deformation_gradient {
         Some(deformation) => ImageData::with_deformation(grid, deformation, Storage::Plain)?,
         None => ImageData::new(grid, Storage::Plain)?,
     };
@@ -38,11 +38,12 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
     for own in fields.quantities.iter().filter(|own| !own.name.starts_with('v')) {
         image.add_array(&format!("{} [{}]", own.name, own.unit), 1, &own.values)?;
     }
-    if !fields.dissipation.is_empty() {
-        image.add_array("dissipation [J/m3]", 1, &fields.dissipation)?;
+    if !fields.plastic_dissipation.is_empty() {
+        image.add_array("dissipation [J/m3]", 1, &fields.plastic_dissipation)?;
     }
-    if !fields.regions.is_empty() {
-        let regions: Vec<i32> = fields.regions.iter().map(|&region| i32::from(region)).collect();
+    if !fields.region_indices.is_empty() {
+        let regions: Vec<i32> =
+            fields.region_indices.iter().map(|&region| i32::from(region)).collect();
         image.add_array("region", 1, &regions)?;
     }
     Ok(image)

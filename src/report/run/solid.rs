@@ -2,11 +2,11 @@
 
 use super::display::axis_label;
 use super::fluid::FluidState;
-use super::joints::{JointScale, create_line_sets};
-use super::records::{create_ledger_picture, create_seismograms, evenly_spaced_indices};
+use super::joints::{JointLineScale, create_face_line_sets, create_line_sets};
+use super::records::{create_ledger_picture, create_seismograms, select_evenly_spaced_indices};
 use super::snapshot::read_array;
 use crate::case::Case;
-use crate::case::dynamics::{PlottedQuantity as Shown, SolidRun, StateComponent};
+use crate::case::dynamics::{FaceQuantity, PlottedQuantity, SolidRun, StateComponent};
 use crate::report::ReportPicture;
 use crate::report::format::{case_title, format_short};
 use crate::study::simulate::{OutputFields, RunRecords, quantity_unit};
@@ -18,20 +18,20 @@ use std::fmt::Write as _;
 /// Creates all pictures of a run except the animation.
 pub(super) fn create_pictures(
     case: &Case,
-    dynamics: &SolidRun,
+    solid_run: &SolidRun,
     fields: &OutputFields,
     records: &RunRecords,
 ) -> Vec<ReportPicture> {
     let final_state = |stem, shown| {
-        let figure = create_figure(case, dynamics, fields, shown);
+        let figure = create_figure(case, solid_run, fields, shown);
         ReportPicture::new(stem, move |format| figure.draw(format))
     };
-    let mut pictures = vec![final_state("run", dynamics.output.plotted_quantity)];
+    let mut pictures = vec![final_state("run", solid_run.output.plotted_quantity)];
     pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
     let describe_term = |name: &str| match name {
         "kinetic" => "kinetic energy",
         "stored" => "stored energy",
-        // Finished runs of earlier versions have the second names.
+        // Runs finished by earlier versions of the program have the second names.
         "boundary_work" | "sides" => "work of the boundaries",
         "source_work" | "sources" => "work of sources and gravity",
         "initial_stress_work" | "initial_stress" => "work of the initial stress",
@@ -50,10 +50,12 @@ pub(super) fn create_pictures(
         _ => "balance: numerical dissipation",
     };
     pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
-    if !fields.dissipation.is_empty() && dynamics.output.plotted_quantity != Shown::Dissipation {
-        pictures.push(final_state("dissipation", Shown::Dissipation));
+    if !fields.plastic_dissipation.is_empty()
+        && solid_run.output.plotted_quantity != PlottedQuantity::Dissipation
+    {
+        pictures.push(final_state("dissipation", PlottedQuantity::Dissipation));
     }
-    if let Some(figure) = create_fluid_figure(case, dynamics, fields) {
+    if let Some(figure) = create_fluid_figure(case, solid_run, fields) {
         pictures.push(ReportPicture::new("fluid", move |format| figure.draw(format)));
     }
     pictures
@@ -62,19 +64,24 @@ pub(super) fn create_pictures(
 /// Creates the figure of the circulation of the fluid in saturated joints; `None` without such joints.
 fn create_fluid_figure(
     case: &Case,
-    dynamics: &SolidRun,
+    solid_run: &SolidRun,
     fields: &OutputFields,
 ) -> Option<FieldFigure> {
-    let blocks = dynamics.blocks.as_ref()?;
-    let FluidState { pressures, arrows } = FluidState::new(blocks, &dynamics.grid, &fields.joints)?;
-    let figure =
-        PlaneSection::new(dynamics).create_figure(case, Shown::Speed, fields.time, pressures);
+    let blocks = solid_run.blocks.as_ref()?;
+    let FluidState { pressures, arrows } =
+        FluidState::new(blocks, &solid_run.grid, &fields.joint_faces)?;
+    let figure = PlaneSection::new(solid_run).create_figure(
+        case,
+        PlottedQuantity::Speed,
+        fields.time,
+        pressures,
+    );
     Some(FieldFigure {
         label: "pressure of fluid p, Pa".to_owned(),
         is_signed: true,
         contour_levels: None,
         arrows: Some(arrows),
-        line_sets: create_line_sets(blocks, &[], JointScale::default()),
+        line_sets: create_line_sets(blocks, &[], JointLineScale::default()),
         ..figure
     })
 }
@@ -83,43 +90,49 @@ fn create_fluid_figure(
 /// through the first source or, without sources, through the middle of the grid.
 fn create_figure(
     case: &Case,
-    dynamics: &SolidRun,
+    solid_run: &SolidRun,
     fields: &OutputFields,
-    shown: Shown,
+    shown: PlottedQuantity,
 ) -> FieldFigure {
-    let section = PlaneSection::new(dynamics);
+    let section = PlaneSection::new(solid_run);
     let values: Vec<f64> = match shown {
-        Shown::Speed => {
+        PlottedQuantity::Speed => {
             let of_axis = |i| fields.get(&format!("v{i}"));
-            let axes: Vec<&[f64]> = (1..=dynamics.grid.dimensions()).filter_map(of_axis).collect();
+            let axes: Vec<&[f64]> = (1..=solid_run.grid.dimensions()).filter_map(of_axis).collect();
             let of_cell = |cell: usize| {
                 let along = axes.iter().map(|values| cell_value(values, cell));
                 along.fold(0.0, Elementary::root_sum_square)
             };
             section.cell_indices().map(of_cell).collect()
         }
-        Shown::Dissipation => {
-            section.cell_indices().map(|cell| cell_value(&fields.dissipation, cell)).collect()
-        }
+        PlottedQuantity::Dissipation => section
+            .cell_indices()
+            .map(|cell| cell_value(&fields.plastic_dissipation, cell))
+            .collect(),
+        // Faces have the colours of the scale, cells have none.
+        PlottedQuantity::Face(_) => section.cell_indices().map(|_| 0.0).collect(),
         other => {
             let values = fields.get(&other.name()).unwrap_or_default();
             section.cell_indices().map(|cell| cell_value(values, cell)).collect()
         }
     };
     let mut figure = section.create_figure(case, shown, fields.time, values);
-    if fields.regions.iter().any(|region| *region != fields.regions[0]) {
-        let region = |cell: usize| fields.regions.get(cell).copied().unwrap_or(0);
+    if fields.region_indices.iter().any(|region| *region != fields.region_indices[0]) {
+        let region = |cell: usize| fields.region_indices.get(cell).copied().unwrap_or(0);
         figure.material_indices = section.cell_indices().map(region).collect();
     }
-    if !fields.dissipation.is_empty() && shown != Shown::Dissipation {
+    if !fields.plastic_dissipation.is_empty() && shown != PlottedQuantity::Dissipation {
         figure.has_yielded = section
             .cell_indices()
-            .map(|cell| cell_value(&fields.dissipation, cell) > 0.0)
+            .map(|cell| cell_value(&fields.plastic_dissipation, cell) > 0.0)
             .collect();
     }
-    if let Some(blocks) = &dynamics.blocks {
-        figure.line_sets =
-            create_line_sets(blocks, &fields.joints, JointScale::new(&fields.joints));
+    if let Some(blocks) = &solid_run.blocks {
+        let faces = &fields.joint_faces;
+        figure.line_sets = match shown {
+            PlottedQuantity::Face(quantity) => create_face_line_sets(blocks, faces, quantity),
+            _ => create_line_sets(blocks, faces, JointLineScale::new(faces)),
+        };
     }
     figure
 }
@@ -129,31 +142,31 @@ fn cell_value(values: &[f64], cell: usize) -> f64 {
     values.get(cell).copied().unwrap_or(0.0)
 }
 
-/// Plane section of the grid of a solid, to be drawn.
+/// Plane section of the grid of a solid that is drawn in a picture.
 pub(super) struct PlaneSection<'a> {
-    dynamics: &'a SolidRun,
-    /// Axes that span the plane.
+    solid_run: &'a SolidRun,
+    /// Axes, from 0, that span the plane of the section.
     axes: [usize; 2],
     /// Index of the section's layer of cells along x₂; `None` in two dimensions.
     layer: Option<usize>,
 }
 
 impl<'a> PlaneSection<'a> {
-    pub(super) fn new(dynamics: &'a SolidRun) -> Self {
-        let grid = &dynamics.grid;
+    pub(super) fn new(solid_run: &'a SolidRun) -> Self {
+        let grid = &solid_run.grid;
         let layer = (grid.dimensions() == 3).then(|| {
             let [first, last] = grid.axis_bounds(1);
             let at =
-                dynamics.sources.first().map_or(0.5 * (first + last), |source| source.position[1]);
+                solid_run.sources.first().map_or(0.5 * (first + last), |source| source.position[1]);
             let index = ((at - grid.origin[1]) / grid.spacing[1]).floor().max(0.0) as usize;
             index.min(grid.cells[1] - 1)
         });
-        Self { dynamics, axes: if layer.is_none() { [0, 1] } else { [0, 2] }, layer }
+        Self { solid_run, axes: if layer.is_none() { [0, 1] } else { [0, 2] }, layer }
     }
 
     /// Iterates over the indices of the cells in the section, x₁ fastest.
     fn cell_indices(&self) -> impl Iterator<Item = usize> {
-        let cells = &self.dynamics.grid.cells;
+        let cells = &self.solid_run.grid.cells;
         let [columns, rows] = self.axes.map(|axis| cells[axis]);
         let (layer, depth) = (self.layer, cells[1]);
         (0..rows).flat_map(move |j| {
@@ -169,20 +182,24 @@ impl<'a> PlaneSection<'a> {
     pub(super) fn read_snapshot_values(
         &self,
         bytes: &[u8],
-        picture: Shown,
+        picture: PlottedQuantity,
     ) -> Result<Vec<f64>, String> {
         let name = match picture {
-            Shown::Speed | Shown::Component(StateComponent(SolidField::Velocity(_))) => {
+            PlottedQuantity::Face(_) => return Ok(self.cell_indices().map(|_| 0.0).collect()),
+            PlottedQuantity::Speed
+            | PlottedQuantity::Component(StateComponent(SolidField::Velocity(_))) => {
                 "velocity [m/s]".to_owned()
             }
             _ => format!("{} [{}]", picture.name(), quantity_unit(&picture.name())),
         };
-        let all = read_array(bytes, &name, self.dynamics.grid.cell_count())?;
+        let all = read_array(bytes, &name, self.solid_run.grid.cell_count())?;
         let of = |cell: usize| match picture {
-            Shown::Speed => all[3 * cell..3 * cell + 3]
+            PlottedQuantity::Speed => all[3 * cell..3 * cell + 3]
                 .iter()
                 .fold(0.0, |s, v| Elementary::root_sum_square(s, *v)),
-            Shown::Component(StateComponent(SolidField::Velocity(i))) => all[3 * cell + i],
+            PlottedQuantity::Component(StateComponent(SolidField::Velocity(i))) => {
+                all[3 * cell + i]
+            }
             _ => all[cell],
         };
         Ok(self.cell_indices().map(of).collect())
@@ -191,12 +208,12 @@ impl<'a> PlaneSection<'a> {
     pub(super) fn create_figure(
         &self,
         case: &Case,
-        picture: Shown,
+        picture: PlottedQuantity,
         time: f64,
         values: Vec<f64>,
     ) -> FieldFigure {
-        let dynamics = self.dynamics;
-        let grid = &dynamics.grid;
+        let solid_run = self.solid_run;
+        let grid = &solid_run.grid;
         let mut subtitle = format!("t = {} s", format_short(time));
         if let Some(layer) = self.layer {
             let _ =
@@ -215,13 +232,13 @@ impl<'a> PlaneSection<'a> {
             let at = self.axes.map(|axis| at[axis]);
             is_near.then(|| FieldMark { position: at, name: name.to_owned(), kind })
         };
-        let named: Vec<usize> = evenly_spaced_indices(dynamics.receivers.len()).collect();
+        let named: Vec<usize> = select_evenly_spaced_indices(solid_run.receivers.len()).collect();
         let name = |index: usize| match named.contains(&index) {
-            true => dynamics.receivers[index].name.as_str(),
+            true => solid_run.receivers[index].name.as_str(),
             false => "",
         };
-        let receivers = dynamics.receivers.iter().enumerate();
-        let sources = dynamics.sources.iter();
+        let receivers = solid_run.receivers.iter().enumerate();
+        let sources = solid_run.sources.iter();
         FieldFigure {
             title: case_title(case),
             subtitle,
@@ -231,18 +248,26 @@ impl<'a> PlaneSection<'a> {
             rows: grid.cells[self.axes[1]],
             values,
             label: match picture {
-                Shown::Speed => "speed |v|, m/s".to_owned(),
+                PlottedQuantity::Speed => "speed |v|, m/s".to_owned(),
                 _ => axis_label(&picture.name()),
             },
-            is_signed: !matches!(picture, Shown::Speed | Shown::Dissipation),
+            is_signed: !matches!(
+                picture,
+                PlottedQuantity::Speed
+                    | PlottedQuantity::Dissipation
+                    | PlottedQuantity::Face(FaceQuantity::Slip | FaceQuantity::Opening)
+            ),
             limit: None,
             fixed_limit: None,
             // The contour levels of the case are values of its plotted quantity, hence apply to no other quantity.
-            contour_levels: dynamics
-                .output
-                .contour_levels
-                .clone()
-                .filter(|_| picture == dynamics.output.plotted_quantity),
+            contour_levels: match picture {
+                PlottedQuantity::Face(_) => Some(Vec::new()),
+                _ => solid_run
+                    .output
+                    .contour_levels
+                    .clone()
+                    .filter(|_| picture == solid_run.output.plotted_quantity),
+            },
             material_indices: Vec::new(),
             has_yielded: Vec::new(),
             line_sets: Vec::new(),

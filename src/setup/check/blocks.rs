@@ -1,4 +1,4 @@
-//! Plans of the checks of blocky media: periodic media of the blocks and joints of a case.
+//! Plans of the checks of blocky media: periodic media formed by the blocks and joints of a case.
 
 use super::CheckExtent;
 use crate::case::dynamics::{BlockEntry, Blocks, JointEntry, MaterialPattern};
@@ -9,55 +9,59 @@ use models::InputError;
 use models::interface::homogenised::BlockMaterial;
 use models::solid::parameters::Isotropic;
 
-/// Number of cells of a block along each axis, by grid, if rows are not shifted.
-const CELLS: [usize; 3] = [4, 8, 16];
-/// Largest number of blocks of a period.
-const MAX_PERIOD: usize = 4;
-/// Largest number of cells of a block on the coarsest grid.
-const MAX_COARSE_CELLS: usize = 12;
+/// Number of cells of a block along each axis on each of the three grids, if rows are not shifted.
+const BLOCK_CELLS_BY_GRID: [usize; 3] = [4, 8, 16];
+/// Largest number of blocks in a period of the medium.
+const MAX_BLOCKS_PER_PERIOD: usize = 4;
+/// Largest number of cells of a block along an axis on the coarsest grid.
+const MAX_COARSEST_CELLS_PER_BLOCK: usize = 12;
 
 /// Periodic blocky medium, and the waves to be measured in it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BlocksPlan {
+pub struct BlockyMediumPlan {
     /// Key of the section in the case, such as `block[0]`.
-    pub region_key: String,
-    /// Layers and blocks in words.
-    pub title: String,
-    /// Experiment, or the reason why nothing is measured.
-    pub experiment: Result<BlocksExperiment, String>,
+    pub section_key: String,
+    /// Description of the blocks and of the layers in their joints.
+    pub medium_title: String,
+    /// Measurement to be made, or the reason why nothing is measured.
+    pub experiment: Result<BlockyMediumExperiment, String>,
 }
 
-/// Medium as described to the analysis and to the solver, and the waves.
+/// Measurement in a blocky medium: its description for analysis and solver, and the waves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BlocksExperiment {
-    /// Medium of the analysis.
-    pub predicted: BlockyCell,
-    /// Medium of the solver.
-    pub measured: SolverBlocks,
-    /// Waves and solver settings.
+pub struct BlockyMediumExperiment {
+    /// Medium as described to the analysis, which predicts the rates.
+    pub analysis_medium: BlockyCell,
+    /// Medium as described to the solver, which measures the rates.
+    pub solver_medium: SolverBlocks,
+    /// Waves to be measured, and solver settings.
     pub settings: BlockSettings,
 }
 
-/// Plans the checks of the blocky media of a case: for each `[[block]]` the periodic medium of its copies, once for each
-/// kind of joint that they have; empty without joints.
+/// Plans the checks of the blocky media of a case: each `[[block]]` gives the periodic medium of its copies, once for
+/// each kind of joint between them. Empty without joints.
 ///
 /// # Errors
 /// A material is invalid.
-pub(super) fn plan_blocks(case: &Case, extent: CheckExtent) -> Result<Vec<BlocksPlan>, InputError> {
+pub(super) fn plan_blocks(
+    case: &Case,
+    extent: CheckExtent,
+) -> Result<Vec<BlockyMediumPlan>, InputError> {
     let run = case.solid_run.as_ref();
     let Some(blocks) = run.and_then(|own| own.blocks.as_ref()).filter(|own| own.has_joints())
     else {
         return Ok(Vec::new());
     };
-    let mut plans: Vec<BlocksPlan> = Vec::new();
+    let mut plans: Vec<BlockyMediumPlan> = Vec::new();
     for (index, entry) in blocks.entries.iter().enumerate() {
-        let [across1, across2] = [0, 1].map(|axis| joints_of_entry(blocks, index, axis));
+        let [across1, across2] = [0, 1].map(|axis| collect_distinct_joints(blocks, index, axis));
         let count = across1.len().max(across2.len());
-        for number in 0..count {
-            let joints = [&across1, &across2]
-                .map(|own| own.get(number).or(own.last()).map(|&joint| &blocks.joints[joint]));
-            for arrangement in arrangements(entry) {
-                let plan = plan_medium(case, entry, (index, joints), &arrangement, extent)?;
+        for joint_number in 0..count {
+            let joints = [&across1, &across2].map(|own| {
+                own.get(joint_number).or(own.last()).map(|&joint| &blocks.joints[joint])
+            });
+            for arrangement in create_arrangements(entry) {
+                let plan = plan_blocky_medium(case, entry, (index, joints), &arrangement, extent)?;
                 let is_known = plans.iter().any(|other| other.experiment == plan.experiment);
                 if !is_known {
                     plans.push(plan);
@@ -71,15 +75,18 @@ pub(super) fn plan_blocks(case: &Case, extent: CheckExtent) -> Result<Vec<Blocks
     Ok(plans)
 }
 
-/// Returns joints of different laws between copies of a block, normal to an axis; without such, those with other blocks.
-fn joints_of_entry(blocks: &Blocks, entry: usize, axis: usize) -> Vec<usize> {
+/// Returns the indices of joints normal to an axis between two copies of the block `entry`, one joint for each law; if
+/// there are none, of joints between a copy and other blocks.
+fn collect_distinct_joints(blocks: &Blocks, entry: usize, axis: usize) -> Vec<usize> {
     let find = |sides: usize| {
         let mut found: Vec<usize> = Vec::new();
         for contact in blocks.contacts.iter().filter(|own| own.axis == axis) {
-            let is_own = |block: &&usize| blocks.blocks[**block].entry == entry;
-            let Some(joint) = contact.joint.map(usize::from) else { continue };
+            let is_own = |block: &&usize| blocks.blocks[**block].entry_index == entry;
+            let Some(joint) = contact.joint_index.map(usize::from) else { continue };
             let is_new = |other: &usize| blocks.joints[*other].law != blocks.joints[joint].law;
-            if contact.blocks.iter().filter(is_own).count() >= sides && found.iter().all(is_new) {
+            if contact.block_indices.iter().filter(is_own).count() >= sides
+                && found.iter().all(is_new)
+            {
                 found.push(joint);
             }
         }
@@ -89,15 +96,16 @@ fn joints_of_entry(blocks: &Blocks, entry: usize, axis: usize) -> Vec<usize> {
     if own.is_empty() { find(1) } else { own }
 }
 
-/// Blocks of a period along each axis, and the materials of these blocks, row by row.
-struct Arrangement<'a> {
-    blocks: [usize; 2],
+/// Arrangement of the blocks in a period: their number along each axis, and their materials row by row.
+struct PeriodicArrangement<'a> {
+    block_counts: [usize; 2],
     materials: Vec<&'a Material>,
 }
 
-/// Periodic arrangements of the copies of a block. Copies of a list of materials, in shifted rows of several materials,
-/// or of more than [`MAX_PERIOD`] blocks in a period are replaced by one medium for each material.
-fn arrangements(entry: &BlockEntry) -> Vec<Arrangement<'_>> {
+/// Creates the periodic arrangements of the copies of a block. Copies of a list of materials, in shifted rows of
+/// several materials, or of more than [`MAX_BLOCKS_PER_PERIOD`] blocks in a period are replaced by one arrangement for
+/// each material.
+fn create_arrangements(entry: &BlockEntry) -> Vec<PeriodicArrangement<'_>> {
     let all = &entry.materials;
     let count = all.len();
     let is_shifted = entry.row_shift > 0.0;
@@ -108,27 +116,28 @@ fn arrangements(entry: &BlockEntry) -> Vec<Arrangement<'_>> {
         MaterialPattern::Columns => Some([count, 1]),
         MaterialPattern::List => None,
     };
-    match period.filter(|[columns, rows]| columns * rows <= MAX_PERIOD) {
+    match period.filter(|[columns, rows]| columns * rows <= MAX_BLOCKS_PER_PERIOD) {
         Some([columns, rows]) => {
-            let places = (0..rows).flat_map(|row| (0..columns).map(move |column| row + column));
-            let materials = places.map(|place| &all[place % count]).collect();
-            vec![Arrangement { blocks: [columns, rows], materials }]
+            let offsets = (0..rows).flat_map(|row| (0..columns).map(move |column| row + column));
+            let materials = offsets.map(|offset| &all[offset % count]).collect();
+            vec![PeriodicArrangement { block_counts: [columns, rows], materials }]
         }
         None => {
             let rows = if is_shifted { 2 } else { 1 };
-            let new = |own| Arrangement { blocks: [1, rows], materials: vec![own; rows] };
+            let new =
+                |own| PeriodicArrangement { block_counts: [1, rows], materials: vec![own; rows] };
             all.iter().map(new).collect()
         }
     }
 }
 
-fn plan_medium(
+fn plan_blocky_medium(
     case: &Case,
     entry: &BlockEntry,
     (index, joints): (usize, [Option<&JointEntry>; 2]),
-    arrangement: &Arrangement,
+    arrangement: &PeriodicArrangement,
     extent: CheckExtent,
-) -> Result<BlocksPlan, InputError> {
+) -> Result<BlockyMediumPlan, InputError> {
     let sides = [0, 1].map(|axis| entry.cells[axis] as f64 * entry.spacing[axis]);
     let mut kinds: Vec<&str> = joints.iter().flatten().map(|own| own.law.kind.title).collect();
     kinds.dedup();
@@ -141,16 +150,16 @@ fn plan_medium(
         kinds.join(" and ")
     );
     let experiment = plan_experiment(case, entry, joints, arrangement, extent)?;
-    Ok(BlocksPlan { region_key: format!("block[{index}]"), title, experiment })
+    Ok(BlockyMediumPlan { section_key: format!("block[{index}]"), medium_title: title, experiment })
 }
 
 fn plan_experiment(
     case: &Case,
     entry: &BlockEntry,
     joints: [Option<&JointEntry>; 2],
-    arrangement: &Arrangement,
+    arrangement: &PeriodicArrangement,
     extent: CheckExtent,
-) -> Result<Result<BlocksExperiment, String>, InputError> {
+) -> Result<Result<BlockyMediumExperiment, String>, InputError> {
     let layers =
         joints.map(|own| own.map(|own| Layer { material: own.law.material, mass: own.law.mass }));
     if let Some(reason) = layers.iter().flatten().find_map(|own| own.linearise().err()) {
@@ -176,40 +185,41 @@ fn plan_experiment(
     }
     let width = entry.cells[0];
     let shift = (entry.row_shift / entry.spacing[0]).round() as usize;
-    let Some(cells) = grid_cells(width, shift) else {
+    let Some(cells) = choose_cells_per_block(width, shift) else {
         let parts = width / greatest_common_divisor(width, shift);
         return Ok(Err(format!("rows shifted by parts of 1/{parts} of a block: too many cells")));
     };
     let is_short = extent == CheckExtent::Short;
     let courant = case.solid_run.as_ref().map(|own| own.time.courant_number);
-    Ok(Ok(BlocksExperiment {
-        predicted: BlockyCell {
+    Ok(Ok(BlockyMediumExperiment {
+        analysis_medium: BlockyCell {
             sides: [0, 1].map(|axis| entry.cells[axis] as f64 * entry.spacing[axis]),
-            blocks: arrangement.blocks,
+            blocks: arrangement.block_counts,
             row_shift: shift as f64 / width as f64,
             materials,
             layers,
         },
-        measured: SolverBlocks {
+        solver_medium: SolverBlocks {
             media,
-            laws: joints.map(|own| own.map(|own| own.law.material.law(own.law.mass))),
+            laws: joints.map(|own| own.map(|own| own.law.material.to_law(own.law.mass))),
         },
         settings: BlockSettings {
-            branches: if is_short { 2 } else { 3 },
-            phase_shifts: if is_short { 1 } else { 4 },
-            wave_vectors: if is_short { 2 } else { 3 },
-            cells,
+            branch_count: if is_short { 2 } else { 3 },
+            phase_shift_count: if is_short { 1 } else { 4 },
+            wave_vector_count: if is_short { 2 } else { 3 },
+            cells_per_block: cells,
             courant_number: courant.unwrap_or(crate::case::dynamics::DEFAULT_COURANT_NUMBER),
         },
     }))
 }
 
-/// Cells of a block on three grids, on which a shift of `shift` of `width` cells is a whole number of cells.
-fn grid_cells(width: usize, shift: usize) -> Option<Vec<usize>> {
+/// Returns the number of cells of a block along an axis on three grids, such that a row shift by `shift` of `width`
+/// cells of the case is a whole number of cells; `None` if that takes more than [`MAX_COARSEST_CELLS_PER_BLOCK`] cells.
+fn choose_cells_per_block(width: usize, shift: usize) -> Option<Vec<usize>> {
     let parts = if shift == 0 { 1 } else { width / greatest_common_divisor(width, shift) };
-    let coarse = CELLS[0].div_ceil(parts) * parts;
-    let factors = CELLS.map(|cells| cells / CELLS[0]);
-    (coarse <= MAX_COARSE_CELLS).then(|| factors.map(|factor| factor * coarse).to_vec())
+    let coarse = BLOCK_CELLS_BY_GRID[0].div_ceil(parts) * parts;
+    let factors = BLOCK_CELLS_BY_GRID.map(|cells| cells / BLOCK_CELLS_BY_GRID[0]);
+    (coarse <= MAX_COARSEST_CELLS_PER_BLOCK).then(|| factors.map(|factor| factor * coarse).to_vec())
 }
 
 fn greatest_common_divisor(one: usize, other: usize) -> usize {

@@ -14,8 +14,8 @@ use models::InputError;
 use models::common::elementary::Elementary;
 use serde::Serialize;
 
-/// Maximum number of points per axis in grid refinement.
-const MAX_POINTS: usize = 4096;
+/// Maximum number of points along each axis of a refined grid.
+const MAX_POINTS_PER_AXIS: usize = 4096;
 
 /// Wave vector in the plane of a flow; in time-domain checks, where the mean flow changes it, its initial value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -43,17 +43,18 @@ impl FlowWave {
 
 /// Plan of the check of a flow: waves to be measured, and grids on which a perturbation is simulated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FlowPlan {
-    /// Waves to be measured.
+pub struct FlowCheckPlan {
+    /// Initial wave vectors of the waves to be measured.
     pub waves: Vec<FlowWave>,
-    /// Models in which the perturbation of the case is simulated on refined grids; empty if `grids` is.
-    pub kinds: Vec<ModelKind>,
+    /// Models in which the perturbation of the case is simulated on refined grids; empty if `refined_point_counts` is
+    /// empty.
+    pub refined_models: Vec<ModelKind>,
     /// Numbers of points per axis of the refined grids, ascending; empty without refinement.
-    pub grids: Vec<usize>,
+    pub refined_point_counts: Vec<usize>,
 }
 
-impl FlowPlan {
-    /// Creates the plan of a case.
+impl FlowCheckPlan {
+    /// Creates the plan of the flow check of a case.
     ///
     /// # Errors
     /// The case is invalid, or its state cannot be analysed.
@@ -65,7 +66,7 @@ impl FlowPlan {
             .unwrap_or_else(|| [1.0, 4.0, 16.0].map(|n| n * wave.wave_number).to_vec());
         let mut directions = match asked.directions_deg {
             Some(directions) => directions,
-            None => default_directions(case)?,
+            None => choose_default_directions(case)?,
         };
         if extent == CheckExtent::Short {
             numbers.truncate(1);
@@ -77,14 +78,14 @@ impl FlowPlan {
         let grids = asked.grid_sizes.unwrap_or_default();
         check_grids(case, &grids)?;
         let grids = if extent == CheckExtent::Full { grids } else { Vec::new() };
-        let kinds = if grids.is_empty() { Vec::new() } else { refined_kinds(case)? };
-        Ok(Self { waves: waves.collect(), kinds, grids })
+        let kinds = if grids.is_empty() { Vec::new() } else { select_refined_kinds(case)? };
+        Ok(Self { waves: waves.collect(), refined_models: kinds, refined_point_counts: grids })
     }
 }
 
 /// Returns the default directions, degrees: that of the case, the most unstable one if the flow is ill-posed, 30° and
 /// 105°; a direction within 10⁻⁶ degrees of an earlier one is left out.
-fn default_directions(case: &Case) -> Result<Vec<f64>, Error> {
+fn choose_default_directions(case: &Case) -> Result<Vec<f64>, Error> {
     let worst = match compute_verdict(case, &create_uniform_flow(case)?)? {
         Verdict::IllPosed { direction, .. } => Some(direction.to_degrees()),
         _ => None,
@@ -100,7 +101,7 @@ fn default_directions(case: &Case) -> Result<Vec<f64>, Error> {
 }
 
 /// Checks that a case with refined grids has a perturbation, that the numbers of points of the grids are even and at
-/// most [`MAX_POINTS`], and that the solver supports all compared models.
+/// most [`MAX_POINTS_PER_AXIS`], and that the solver supports all compared models.
 fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     let refuse = |found: String, allowed: &str| {
         let allowed = allowed.to_owned();
@@ -116,7 +117,7 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
         let found = format!("{grids:?} without a perturbation");
         return refuse(found, "add [grid], [time] and [[initial]], or leave it out");
     }
-    if let Some(odd) = grids.iter().find(|own| *own % 2 == 1 || **own > MAX_POINTS) {
+    if let Some(odd) = grids.iter().find(|own| *own % 2 == 1 || **own > MAX_POINTS_PER_AXIS) {
         return refuse(odd.to_string(), "even numbers of points along each axis, up to 4096");
     }
     for kind in case.compared_kinds.iter().flatten().filter(|_| !grids.is_empty()) {
@@ -125,10 +126,10 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns the models in which the perturbation of a case is simulated on refined grids: its own and the compared
-/// models. With compared models, a perturbation of more than the velocity is refused, since other fields do not exist
-/// in all models.
-fn refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
+/// Returns the models in which the perturbation of a case is simulated on refined grids: the model of the case and the
+/// compared models. With compared models only a perturbation of the velocity is accepted, since other fields do not
+/// exist in all models.
+fn select_refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
     let kinds: Vec<ModelKind> = [case.material.kind]
         .into_iter()
         .chain(case.compared_kinds.iter().flatten().copied())
@@ -161,7 +162,7 @@ fn refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
 /// A constant is out of range, or the case is not a uniform flow that the solver supports.
 pub fn create_uniform_flow(case: &Case) -> Result<UniformFlow, Error> {
     let flow = case.solve_mean_flow()?;
-    // The grid and the box are placeholders, which each measurement replaces.
+    // Grid and box are placeholders that each measurement replaces.
     let solver = create_flow_problem(case, [4; 2], [1.0; 2])?;
     Ok(UniformFlow {
         model: case.build_located_model()?,

@@ -7,8 +7,8 @@ pub mod solid;
 use crate::case::{Case, CaseError, Material, ModelKind, SweepParameter};
 use crate::{Error, setup};
 use agreement::AgreementError;
-use blocks::BlocksPlan;
-use flow::FlowPlan;
+use blocks::BlockyMediumPlan;
+use flow::FlowCheckPlan;
 use models::InputError;
 use solid::MediumPlan;
 
@@ -21,24 +21,24 @@ pub enum CheckExtent {
     Short,
 }
 
-/// Plan of the checks of a case.
+/// Plan of the checks of a case, by kind of medium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckPlan {
-    /// Checks of a solid.
+    /// Plans for a solid: its media, and the periodic media of its blocks and joints.
     Solid {
-        /// Distinct media, in the order of the regions or blocks.
-        media: Vec<MediumPlan>,
-        /// Media of blocks and joints; empty without joints.
-        blocks: Vec<BlocksPlan>,
+        /// Plans for the distinct media of the solid, in the order of its regions or blocks.
+        medium_plans: Vec<MediumPlan>,
+        /// Plans for the periodic media of blocks and joints; empty without joints.
+        blocky_medium_plans: Vec<BlockyMediumPlan>,
     },
     /// Check of the waves of a flow, and of a perturbation on refined grids.
-    Flow(FlowPlan),
+    Flow(FlowCheckPlan),
     /// No check, since no solver supports the case; contains the reason.
     NotMeasurable(String),
 }
 
 impl CheckPlan {
-    /// Creates the plan of a case.
+    /// Plans the checks of a case.
     ///
     /// # Errors
     /// The case is invalid, or its state cannot be analysed.
@@ -50,7 +50,7 @@ impl CheckPlan {
             let blocks =
                 blocks::plan_blocks(case, extent).map_err(|error| case.locate_error(error))?;
             return Ok(match media {
-                Ok(media) => Self::Solid { media, blocks },
+                Ok(media) => Self::Solid { medium_plans: media, blocky_medium_plans: blocks },
                 Err(error) => Self::NotMeasurable(format_reason(case.locate_error(error))),
             });
         }
@@ -58,7 +58,7 @@ impl CheckPlan {
             .background(&case.to_flow_state())
             .map_err(|error| case.locate_error(error))?;
         match case.simulation_rotation().and(case.solve_mean_flow()) {
-            Ok(_) => FlowPlan::new(case, extent).map(Self::Flow),
+            Ok(_) => FlowCheckPlan::new(case, extent).map(Self::Flow),
             Err(error) => Ok(Self::NotMeasurable(format_reason(error))),
         }
     }
@@ -95,7 +95,7 @@ fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// Converts an error of the crate `agreement` to an error with the responsible key and a remedy.
+/// Converts an error of the crate `agreement` to an error that names the responsible key of the case and a remedy.
 pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Error {
     let found = error.to_string();
     let (key, allowed) = match error {
@@ -131,7 +131,7 @@ pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Err
         AgreementError::NoVelocity => {
             ("initial", "noise of v, say, up to the greatest mode number of the finest")
         }
-        // The following errors cannot arise from a case file.
+        // The following errors cannot be caused by a case file.
         AgreementError::DimensionMismatch { .. } => ("model.dimensions", "the same for both"),
         AgreementError::NoGrids => ("check.cells", "at least one grid"),
         AgreementError::PointCount { .. } => ("initial", "a value at each point"),

@@ -1,4 +1,4 @@
-//! Plans of solid checks: media of a case and waves to be measured in each.
+//! Plans of solid checks: media of a case, and waves to be measured in each.
 
 use super::CheckExtent;
 use crate::case::{Case, CheckOptions, Material, WaveNumbers};
@@ -21,7 +21,7 @@ pub struct MediumPlan {
 /// Waves of a medium and solver settings of their measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WavePlan {
-    /// Waves to be measured.
+    /// Wave numbers and directions of the waves to be measured.
     pub waves: Vec<WaveNumbers>,
     /// Settings of the solver: grids, time step and scheme.
     pub settings: SolverSettings,
@@ -72,8 +72,8 @@ pub(super) fn plan_media(
 }
 
 impl WavePlan {
-    /// Plans the waves of the medium `own` of a case, measured with the Courant number and the scheme of the simulation
-    /// of the case, or the default ones without simulation.
+    /// Plans the waves of a medium with the material `own`. They are measured with the Courant number and the scheme of
+    /// the simulation of the case, or with the default ones if the case has no simulation.
     pub fn new(case: &Case, own: &Material, extent: CheckExtent) -> Self {
         let solid = setup::solid::create_solid(own);
         let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
@@ -81,10 +81,11 @@ impl WavePlan {
         let natural = solid.ok().and_then(|solid| solid.elastic_law.characteristic_wave_number());
         let asked = case.check_options.clone().unwrap_or_default();
         let CheckOptions { wave_numbers: numbers, directions_deg, grid_sizes: cells } = asked;
-        let mut numbers = numbers
-            .unwrap_or_else(|| default_wave_numbers(natural, yields, own.numbers.wave.wave_number));
+        let mut numbers = numbers.unwrap_or_else(|| {
+            choose_default_wave_numbers(natural, yields, own.numbers.wave.wave_number)
+        });
         let mut directions =
-            default_directions(directions_deg, dimensions == 2, yields, own.numbers.wave);
+            choose_default_directions(directions_deg, dimensions == 2, yields, own.numbers.wave);
         if extent == CheckExtent::Short {
             numbers.truncate(1);
             directions.truncate(2);
@@ -98,7 +99,10 @@ impl WavePlan {
             })
         });
         let default = if dimensions == 2 { vec![20, 30, 40] } else { vec![20, 25, 30] };
-        Self { waves: waves.collect(), settings: solver_settings(case, cells.unwrap_or(default)) }
+        Self {
+            waves: waves.collect(),
+            settings: create_solver_settings(case, cells.unwrap_or(default)),
+        }
     }
 
     /// Converts the waves to wave numbers and unit normals.
@@ -115,7 +119,7 @@ fn to_plane_wave(wave: &WaveNumbers) -> PlaneWave<3> {
 /// Returns the default wave numbers, 1/m: `natural`, the characteristic wave number of the solid, and for elastic
 /// solids also multiples of it from ¼ to 4; the wave number `given` of the case if the solid has no characteristic wave
 /// number.
-fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
+fn choose_default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
     match natural {
         // Long and short waves have different dispersion, hence five wave numbers.
         Some(own) if !yields => [1.0, 0.25, 0.5, 2.0, 4.0].map(|part| part * own).to_vec(),
@@ -126,7 +130,7 @@ fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f
 
 /// Returns pairs of direction and elevation, degrees: the given directions at the elevation of `wave`, or without given
 /// ones the direction of `wave` and up to three fixed directions, without repetition.
-fn default_directions(
+fn choose_default_directions(
     given_deg: Option<Vec<f64>>,
     is_plane: bool,
     yields: bool,
@@ -148,9 +152,9 @@ fn default_directions(
 
 /// Returns the solver settings of the simulation of the case, or the default ones without simulation, for grids of
 /// `cells` cells per wavelength.
-fn solver_settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
-    let time = case.solid_run.as_ref().map(|dynamics| &dynamics.time);
-    let chosen = case.solid_run.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();
+fn create_solver_settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
+    let time = case.solid_run.as_ref().map(|solid_run| &solid_run.time);
+    let chosen = case.solid_run.as_ref().map(|solid_run| solid_run.scheme).unwrap_or_default();
     let scheme = setup::solid_run::convert_scheme(chosen);
     SolverSettings {
         cells_per_wavelength: cells,

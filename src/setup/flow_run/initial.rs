@@ -8,14 +8,14 @@ use files::npz::{ArrayValues, read_selected_arrays};
 use models::flow::RotationKind;
 use std::path::Path;
 
-/// Maximum size of an archive, given as a number of arrays with one `f64` per grid point; [`MAX_OVERHEAD_BYTES`] bytes
-/// are added.
-const MAX_ARRAYS: u64 = 64;
-const MAX_OVERHEAD_BYTES: u64 = 1 << 20;
+/// Maximum size of an archive of initial fields, given as a number of arrays with one `f64` per grid point;
+/// [`MAX_ARCHIVE_OVERHEAD_BYTES`] bytes are added.
+const MAX_ARCHIVE_ARRAYS: u64 = 64;
+const MAX_ARCHIVE_OVERHEAD_BYTES: u64 = 1 << 20;
 
-/// Perturbations at the grid points, first axis fastest.
+/// Initial perturbations of the evolving fields at the grid points, first axis fastest.
 pub(crate) struct PerturbationFields {
-    /// Velocity perturbation, m/s.
+    /// Perturbations of both velocity components, m/s.
     pub(crate) velocity: [Vec<f64>; 2],
     /// Perturbation of the spin, rad/s, or of the stress angle, rad; zero if neither evolves.
     pub(crate) internal_variable: Vec<f64>,
@@ -36,11 +36,11 @@ pub(crate) fn assemble_perturbation(
     for (index, part) in run.perturbation_terms.iter().enumerate() {
         match part {
             FlowPerturbation::Mode(wave) => {
-                fields.add_waves(lattice, wave.field, &[to_plane_wave(wave)], None)
+                fields.add_waves(lattice, wave.field, &[to_fourier_mode(wave)], None)
             }
             FlowPerturbation::Packet { carrier: wave, centre: at, radius } => {
                 let bell = lattice.evaluate_gaussian(*at, *radius);
-                fields.add_waves(lattice, wave.field, &[to_plane_wave(wave)], Some(&bell));
+                fields.add_waves(lattice, wave.field, &[to_fourier_mode(wave)], Some(&bell));
             }
             FlowPerturbation::Noise {
                 field,
@@ -57,8 +57,8 @@ pub(crate) fn assemble_perturbation(
                 fields.internal_variable.iter_mut().for_each(|value| *value += amplitude);
             }
             FlowPerturbation::File { path, checksum } => {
-                fields.add_file(run, problem, path, *checksum).map_err(|(found, allowed)| {
-                    run.error_at(&format!("initial[{index}].path"), found, allowed)
+                fields.add_archive(run, problem, path, *checksum).map_err(|(found, allowed)| {
+                    run.key_error(&format!("initial[{index}].path"), found, allowed)
                 })?;
             }
         }
@@ -72,7 +72,7 @@ fn to_si(field: PerturbedField, amplitude: f64) -> f64 {
     if field == PerturbedField::StressAngle { amplitude.to_radians() } else { amplitude }
 }
 
-fn to_plane_wave(own: &HarmonicPerturbation) -> FourierMode {
+fn to_fourier_mode(own: &HarmonicPerturbation) -> FourierMode {
     plane_wave(own.mode, to_si(own.field, own.amplitude), degrees_to_radians(own.phase_deg))
 }
 
@@ -101,7 +101,7 @@ impl PerturbationFields {
 
     /// Adds the perturbation stored in the NPZ archive `path`; the error holds the fault and the requirement on the
     /// archive.
-    fn add_file(
+    fn add_archive(
         &mut self,
         run: &FlowRun,
         problem: &FlowProblem,
@@ -112,7 +112,8 @@ impl PerturbationFields {
             "an archive (NPZ) with v1, v2 and the field that evolves, such as fields.npz of a run";
         let unusable = |cause: &str| (format!("'{path}': {cause}"), ARCHIVE_REQUIREMENT);
         let points = run.grid.point_count();
-        let most = MAX_OVERHEAD_BYTES + MAX_ARRAYS.saturating_mul(8 * points as u64);
+        let most =
+            MAX_ARCHIVE_OVERHEAD_BYTES + MAX_ARCHIVE_ARRAYS.saturating_mul(8 * points as u64);
         let bytes = files::read_regular_file_up_to(Path::new(path), most)
             .map_err(|error| unusable(&error.to_string()))?;
         if files::checksum(&bytes) != checksum {
@@ -124,8 +125,8 @@ impl PerturbationFields {
             .map_err(|error| unusable(&error.to_string()))?;
         let shape = [run.grid.points[1], run.grid.points[0]];
         let [v1, v2] = &mut self.velocity;
-        // The archive holds total spins or stress angles, from which the mean value is subtracted. Velocities are
-        // perturbations already.
+        // The archive contains spins or stress angles including their mean value, which is subtracted. Its velocities
+        // are perturbations already.
         let internal_variable = match run.rotation {
             RotationKind::IntrinsicSpin => Some(("w", problem.spin)),
             RotationKind::StressAxes => Some(("psi", problem.stress_angle)),

@@ -1,11 +1,10 @@
 //! Boundary conditions and loads of a solid simulation, converted to the faces of the grid.
 
 use super::GridConverter;
-use super::geometry::{distance, whole_boundary_condition};
+use super::geometry::{distance, find_whole_boundary_condition};
 use crate::Error;
 use crate::case::dynamics::{
-    BoundaryConditionKind as ConditionKind, BoundaryFace, FaceCondition, FaceLoad as CaseLoad,
-    LoadedArea, StateComponent,
+    BoundaryConditionKind, BoundaryFace, FaceCondition, FaceLoad, LoadedArea, StateComponent,
 };
 use dynamics::boundary::{Boundary, Condition, Load};
 use std::sync::Arc;
@@ -14,7 +13,7 @@ impl GridConverter<'_> {
     /// Returns the tangential coordinates, m, of the face centres of a boundary, with the first tangential axis
     /// fastest.
     fn face_centres(&self, boundary: BoundaryFace) -> Vec<Vec<f64>> {
-        let grid = &self.dynamics.grid;
+        let grid = &self.solid_run.grid;
         let mut faces = vec![Vec::new()];
         for axis in boundary.tangential_axes(grid.dimensions()).into_iter().rev() {
             faces = faces
@@ -31,34 +30,34 @@ impl GridConverter<'_> {
     }
 
     pub(super) fn create_boundary(&self, boundary: BoundaryFace) -> Result<Boundary, Error> {
-        let pairs = &self.medium.pairs[boundary.axis];
-        let last = whole_boundary_condition(self.dynamics, boundary);
-        if last.is_some_and(|entry| entry.condition == ConditionKind::Periodic) {
+        let pairs = &self.first_medium.pairs[boundary.axis];
+        let last = find_whole_boundary_condition(self.solid_run, boundary);
+        if last.is_some_and(|entry| entry.condition == BoundaryConditionKind::Periodic) {
             return Ok(Boundary::Periodic);
         }
         let faces = self.face_centres(boundary);
         let mut by_face = vec![vec![Condition::Traction(0.0); faces.len()]; pairs.len()];
         let own = |entry: &(usize, &FaceCondition)| entry.1.face == boundary;
-        for (index, entry) in self.dynamics.boundary_conditions.iter().enumerate().filter(own) {
+        for (index, entry) in self.solid_run.boundary_conditions.iter().enumerate().filter(own) {
             let of_pair: Vec<Condition> = match &entry.condition {
                 // This periodic condition is overridden by a later entry; otherwise the function has returned above.
-                ConditionKind::Periodic => continue,
-                ConditionKind::Free => vec![Condition::Traction(0.0); pairs.len()],
-                ConditionKind::Fixed => vec![Condition::Velocity(0.0); pairs.len()],
-                ConditionKind::NonReflecting => vec![Condition::NonReflecting; pairs.len()],
-                ConditionKind::Symmetry | ConditionKind::Antisymmetry => {
+                BoundaryConditionKind::Periodic => continue,
+                BoundaryConditionKind::Free => vec![Condition::Traction(0.0); pairs.len()],
+                BoundaryConditionKind::Fixed => vec![Condition::Velocity(0.0); pairs.len()],
+                BoundaryConditionKind::NonReflecting => vec![Condition::NonReflecting; pairs.len()],
+                BoundaryConditionKind::Symmetry | BoundaryConditionKind::Antisymmetry => {
                     let mirror = match entry.condition {
-                        ConditionKind::Symmetry => {
-                            Boundary::new_symmetry(&self.medium, boundary.axis)
+                        BoundaryConditionKind::Symmetry => {
+                            Boundary::new_symmetry(&self.first_medium, boundary.axis)
                         }
-                        _ => Boundary::new_antisymmetry(&self.medium, boundary.axis),
+                        _ => Boundary::new_antisymmetry(&self.first_medium, boundary.axis),
                     };
                     match mirror {
                         Boundary::ByPair(conditions) => conditions,
                         _ => Vec::new(),
                     }
                 }
-                ConditionKind::Mixed { fixed_components } => pairs
+                BoundaryConditionKind::Mixed { fixed_components } => pairs
                     .iter()
                     .map(|pair| match fixed_components.contains(&StateComponent(pair.velocity)) {
                         true => Condition::Velocity(0.0),
@@ -79,15 +78,15 @@ impl GridConverter<'_> {
         }
         // A load sets the type of condition on its faces; two loads must not set different types.
         let mut said = vec![vec![None; faces.len()]; pairs.len()];
-        for (index, load) in self.dynamics.loads.iter().enumerate() {
+        for (index, load) in self.solid_run.loads.iter().enumerate() {
             if load.face == boundary {
-                let (pair, condition) = self.driven_pair(index, load)?;
-                for (face, _) in self.loaded_faces(index, load)? {
+                let (pair, condition) = self.find_driven_pair(index, load)?;
+                for (face, _) in self.compute_loaded_faces(index, load)? {
                     if said[pair][face].replace(condition).is_some_and(|own| own != condition) {
                         let found = format!("{} on faces with another load", load.component);
                         let allowed = "either the velocity or the stress of a wave on a face";
                         let key = format!("load[{index}].field");
-                        return Err(self.dynamics.error_at(&key, found, allowed).into());
+                        return Err(self.solid_run.key_error(&key, found, allowed).into());
                     }
                     by_face[pair][face] = condition;
                 }
@@ -101,15 +100,15 @@ impl GridConverter<'_> {
             true => {
                 let found = "no face of the side has its middle in it";
                 let allowed = "make it larger than a cell, or move it onto the side";
-                Err(self.dynamics.error_at(key, found, allowed).into())
+                Err(self.solid_run.key_error(key, found, allowed).into())
             }
             false => Ok(()),
         }
     }
 
     /// Returns the index of the velocity–stress pair that a load drives, and the type of condition that the load sets.
-    fn driven_pair(&self, index: usize, load: &CaseLoad) -> Result<(usize, Condition), Error> {
-        let pairs = self.medium.pairs[load.face.axis].iter().enumerate();
+    fn find_driven_pair(&self, index: usize, load: &FaceLoad) -> Result<(usize, Condition), Error> {
+        let pairs = self.first_medium.pairs[load.face.axis].iter().enumerate();
         for (pair_index, pair) in pairs {
             if pair.velocity == load.component.0 {
                 return Ok((pair_index, Condition::Velocity(0.0)));
@@ -120,14 +119,18 @@ impl GridConverter<'_> {
         }
         let found = format!("{} does not act on {}", load.component, load.face.name());
         let allowed = "a velocity or spin of the side, or a stress whose second index is its axis";
-        Err(self.dynamics.error_at(&format!("load[{index}].field"), found, allowed).into())
+        Err(self.solid_run.key_error(&format!("load[{index}].field"), found, allowed).into())
     }
 
     /// Returns the indices of the faces of a load, and the amplitude on each.
-    fn loaded_faces(&self, index: usize, load: &CaseLoad) -> Result<Vec<(usize, f64)>, Error> {
+    fn compute_loaded_faces(
+        &self,
+        index: usize,
+        load: &FaceLoad,
+    ) -> Result<Vec<(usize, f64)>, Error> {
         let faces = self.face_centres(load.face).into_iter().enumerate();
-        let axes = load.face.tangential_axes(self.dynamics.grid.dimensions());
-        let to = |a: &[f64], b: &[f64]| distance(self.dynamics, &axes, a, b);
+        let axes = load.face.tangential_axes(self.solid_run.grid.dimensions());
+        let to = |a: &[f64], b: &[f64]| distance(self.solid_run, &axes, a, b);
         let amplitude = |middle: &[f64]| match &load.profile {
             Some(profile) => load.amplitude * profile.evaluate(&axes, middle, to),
             None => load.amplitude,
@@ -141,9 +144,10 @@ impl GridConverter<'_> {
                 .map(|(face, middle)| (face, amplitude(&middle)))
                 .collect(),
             LoadedArea::Point { position: at, kernel } => {
-                let area: f64 = axes.iter().map(|&axis| self.dynamics.grid.spacing[axis]).product();
+                let area: f64 =
+                    axes.iter().map(|&axis| self.solid_run.grid.spacing[axis]).product();
                 let mut point = at.clone();
-                let end = self.dynamics.grid.axis_bounds(load.face.axis);
+                let end = self.solid_run.grid.axis_bounds(load.face.axis);
                 point.insert(load.face.axis, end[usize::from(load.face.is_upper)]);
                 let key = format!("load[{index}]");
                 let shares = self
@@ -158,19 +162,19 @@ impl GridConverter<'_> {
             let found = "0 in the middle of every face that the load is on";
             let allowed =
                 "one that is not 0 there: move it onto the side, or make it wider than a cell";
-            return Err(self.dynamics.error_at(&key, found, allowed).into());
+            return Err(self.solid_run.key_error(&key, found, allowed).into());
         }
         Ok(found)
     }
 
-    pub(super) fn create_load(&self, index: usize, load: &CaseLoad) -> Result<Load, Error> {
-        let (pair, _) = self.driven_pair(index, load)?;
+    pub(super) fn create_load(&self, index: usize, load: &FaceLoad) -> Result<Load, Error> {
+        let (pair, _) = self.find_driven_pair(index, load)?;
         let time = load.time_function.clone();
         Ok(Load {
             axis: load.face.axis,
             end: usize::from(load.face.is_upper),
             pair,
-            faces: self.loaded_faces(index, load)?,
+            faces: self.compute_loaded_faces(index, load)?,
             signal: Arc::new(move |t| time.evaluate(t)),
         })
     }

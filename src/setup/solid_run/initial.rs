@@ -2,7 +2,8 @@
 
 use super::geometry::{cell_centre, coordinate_difference, distance};
 use super::pulse::IncidentPulse;
-use super::{GridConverter, unknown_name};
+use super::ranges::WaveRange;
+use super::{GridConverter, analysis_unknown_name};
 use crate::Error;
 use crate::case::dynamics::{InitialStateTerm, PulseCentre, RegionShape, SolidRun};
 use crate::case::{Case, Material, WaveNumbers};
@@ -13,43 +14,52 @@ use models::common::elementary::{Elementary, cr_cis};
 use models::solid::waves::SolidField;
 use num_complex::Complex64;
 
-/// Sums of the terms of the initial state.
+/// Initial fields as sums over the terms of the initial state of the case.
 struct FieldSums<'a> {
-    dynamics: &'a SolidRun,
-    /// Fields set by any term, with their values by cell.
+    solid_run: &'a SolidRun,
+    /// Fields that at least one term sets, with their values by cell in SI units.
     fields: Vec<(SolidField, Vec<f64>)>,
+    /// Largest magnitude of the values of each of the fields; NaN if a value is NaN.
+    max_magnitudes: Vec<f64>,
 }
 
 impl FieldSums<'_> {
     /// Adds a function `value` of position, m, to a field: evaluated at the cell centres, in the order of the cells.
     fn add_field(&mut self, field: SolidField, mut value: impl FnMut(&[f64]) -> f64) {
         let index = self.fields.iter().position(|own| own.0 == field).unwrap_or_else(|| {
-            self.fields.push((field, vec![0.0; self.dynamics.grid.cell_count()]));
+            self.fields.push((field, vec![0.0; self.solid_run.grid.cell_count()]));
+            self.max_magnitudes.push(0.0);
             self.fields.len() - 1
         });
+        let mut max = 0.0f64;
         for (cell, own) in self.fields[index].1.iter_mut().enumerate() {
-            *own += value(&cell_centre(self.dynamics, cell));
+            *own += value(&cell_centre(self.solid_run, cell));
+            max = if own.abs() <= max || max.is_nan() { max } else { own.abs() };
         }
+        self.max_magnitudes[index] = max;
     }
 }
 
 impl GridConverter<'_> {
-    /// Returns the initial fields that are set, with their values by cell; `media` is the number of media.
+    /// Returns the initial fields that are set, with their values by cell; `media` is the number of media, `range` that of
+    /// the values.
     pub(super) fn create_initial_fields<const D: usize>(
         &self,
         case: &Case,
         media: usize,
+        range: &WaveRange,
     ) -> Result<Vec<(SolidField, Vec<f64>)>, Error> {
-        let mut sums = FieldSums { dynamics: self.dynamics, fields: Vec::new() };
-        for (index, part) in self.dynamics.initial_terms.iter().enumerate() {
+        let mut sums =
+            FieldSums { solid_run: self.solid_run, fields: Vec::new(), max_magnitudes: Vec::new() };
+        for (index, part) in self.solid_run.initial_terms.iter().enumerate() {
             match part {
                 InitialStateTerm::Pulse { component: field, amplitude, centre, radius } => {
                     let axes: Vec<usize> = (0..D).collect();
                     sums.add_field(field.0, |x| {
                         let r = match centre {
-                            PulseCentre::Point(at) => distance(self.dynamics, &axes, x, at),
+                            PulseCentre::Point(at) => distance(self.solid_run, &axes, x, at),
                             PulseCentre::Plane { axis, coordinate: at } => {
-                                coordinate_difference(self.dynamics, *axis, x[*axis], *at)
+                                coordinate_difference(self.solid_run, *axis, x[*axis], *at)
                             }
                         };
                         amplitude * (-(r / radius).powi(2)).cr_exp()
@@ -74,15 +84,15 @@ impl GridConverter<'_> {
                         });
                     }
                     let spin = SolidField::Spin(*axis);
-                    if self.medium.fields.contains(&spin) {
+                    if self.first_medium.fields.contains(&spin) {
                         sums.add_field(spin, |x| inside(x, *rate));
                     }
                 }
                 InitialStateTerm::PlanePulse(pulse) => {
-                    let of_cell = self.dynamics.compute_cell_media()?;
+                    let of_cell = self.solid_run.compute_cell_media()?;
                     let key = format!("initial[{index}]");
-                    let wave = IncidentPulse::new(case, self.dynamics, &of_cell, pulse, &key)?;
-                    for &field in &self.medium.fields {
+                    let wave = IncidentPulse::new(case, self.solid_run, &of_cell, pulse, &key)?;
+                    for &field in &self.first_medium.fields {
                         let mut media = of_cell.iter();
                         sums.add_field(field, |x| {
                             media.next().map_or(0.0, |medium| wave.field_value(field, x, *medium))
@@ -100,7 +110,7 @@ impl GridConverter<'_> {
                     if media > 1 {
                         let found = "a plane wave in several media";
                         let allowed = "one medium: leave the regions out";
-                        return Err(self.dynamics.error_at(&key, found, allowed).into());
+                        return Err(self.solid_run.key_error(&key, found, allowed).into());
                     }
                     let wave = WaveNumbers {
                         wave_number: 2.0 * std::f64::consts::PI / wavelength,
@@ -109,7 +119,7 @@ impl GridConverter<'_> {
                         max_wave_number: 0.0,
                     };
                     for (field, factor) in
-                        self.plane_wave_amplitudes::<D>(case, &wave, *branch, &key)?
+                        self.compute_plane_wave_amplitudes::<D>(case, &wave, *branch, &key)?
                     {
                         let direction = wave_normal(&wave);
                         sums.add_field(field, |x| {
@@ -118,6 +128,9 @@ impl GridConverter<'_> {
                         });
                     }
                 }
+            }
+            for ((field, _), max) in sums.fields.iter().zip(&sums.max_magnitudes) {
+                range.check_initial_values(index, *field, *max)?;
             }
         }
         Ok(sums.fields)
@@ -134,12 +147,12 @@ impl GridConverter<'_> {
         axis: usize,
     ) -> Result<(), Error> {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let antisymmetric_moduli = self.antisymmetric_moduli(case)?;
-        let of_cell = self.dynamics.compute_cell_media()?;
+        let compute_antisymmetric_moduli = self.compute_antisymmetric_moduli(case)?;
+        let of_cell = self.solid_run.compute_cell_media()?;
         for (field, sign) in [(SolidField::Stress(i, j), 1.0), (SolidField::Stress(j, i), -1.0)] {
             let mut cell = 0;
             sums.add_field(field, |x| {
-                let alpha = antisymmetric_moduli[usize::from(of_cell[cell])];
+                let alpha = compute_antisymmetric_moduli[usize::from(of_cell[cell])];
                 cell += 1;
                 match shape.contains(x) {
                     true => sign * 2.0 * alpha * angle_deg.to_radians(),
@@ -151,13 +164,13 @@ impl GridConverter<'_> {
     }
 
     /// Returns the antisymmetric modulus α of each medium, Pa.
-    fn antisymmetric_moduli(&self, case: &Case) -> Result<Vec<f64>, Error> {
+    fn compute_antisymmetric_moduli(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Material| -> Result<f64, Error> {
             let (elastic, _) =
                 create_elastic_law_and_set(own).map_err(|error| own.locate_error(error))?;
             Ok(elastic.antisymmetric_modulus())
         };
-        match self.dynamics.materials().as_slice() {
+        match self.solid_run.materials().as_slice() {
             [] => Ok(vec![alpha(&case.material)?]),
             materials => materials.iter().map(|own| alpha(own)).collect(),
         }
@@ -165,14 +178,14 @@ impl GridConverter<'_> {
 
     /// Returns the complex amplitudes of a plane wave, normalised such that the norm |v| of the complex velocity is 1
     /// m/s and its largest component is real and positive.
-    fn plane_wave_amplitudes<const D: usize>(
+    fn compute_plane_wave_amplitudes<const D: usize>(
         &self,
         case: &Case,
         wave: &WaveNumbers,
         branch: usize,
         key: &str,
     ) -> Result<Vec<(SolidField, Complex64)>, Error> {
-        let own = match self.dynamics.materials().as_slice() {
+        let own = match self.solid_run.materials().as_slice() {
             [own] => *own,
             _ => &case.material,
         };
@@ -186,23 +199,23 @@ impl GridConverter<'_> {
         let Some((_, amplitudes)) = branch.checked_sub(1).and_then(|i| waves.get(i)) else {
             let found = format!("found branch {branch}");
             let allowed = format!("1 to {} at this wavelength", waves.len());
-            return Err(self.dynamics.error_at(&format!("{key}.branch"), found, allowed).into());
+            return Err(self.solid_run.key_error(&format!("{key}.branch"), found, allowed).into());
         };
         let of = |field: SolidField| {
-            let name = unknown_name(field);
+            let name = analysis_unknown_name(field);
             rates.unknowns.iter().position(|unknown| unknown.name == name)
         };
         let found: Vec<(SolidField, Complex64)> = self
-            .medium
+            .first_medium
             .fields
             .iter()
             .filter_map(|&field| Some((field, amplitudes[of(field)?])))
             .collect();
-        let density = self.medium.inertia(SolidField::Velocity(0));
+        let density = self.first_medium.inertia(SolidField::Velocity(0));
         normalise_velocity(found, density).ok_or_else(|| {
             let found = "a branch that moves nothing but spins";
             let allowed = "a wave whose velocity can have an amplitude: another branch";
-            self.dynamics.error_at(&format!("{key}.branch"), found, allowed).into()
+            self.solid_run.key_error(&format!("{key}.branch"), found, allowed).into()
         })
     }
 }

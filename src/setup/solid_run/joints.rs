@@ -1,52 +1,87 @@
-//! Interlayers of the solver from the joints of a blocky medium.
+//! Creation of solver interlayers from the joints of a blocky medium.
 
 use super::GridConverter;
 use super::geometry::is_periodic;
 use crate::Error;
 use crate::case::dynamics::{Blocks, JointEntry, JointSelector};
+use crate::study::format::format_short;
 use dynamics::solid::interlayers::{InterlayerLaw, InterlayerPlane, Interlayers, PlaneLaws};
 use models::interface::layer::LayerLaw;
+use models::interface::parameters::LayerMaterial;
+
+/// Largest number of cells that waves of the fluid may pass in a step, as the solver requires.
+const MAX_FLUID_CELLS: f64 = 2.0;
 
 impl GridConverter<'_> {
-    /// Creates the interlayers of the joints, one set per axis that has some.
-    pub(super) fn create_interlayers(&self) -> Result<Vec<Interlayers>, Error> {
-        let Some(blocks) = self.dynamics.blocks.as_ref().filter(|own| own.has_joints()) else {
+    /// Creates the interlayers of the joints, one set for each axis that has joints normal to it, for steps of `step`, s.
+    pub(super) fn create_interlayers(&self, step: f64) -> Result<Vec<Interlayers>, Error> {
+        let Some(blocks) = self.solid_run.blocks.as_ref().filter(|own| own.has_joints()) else {
             return Ok(Vec::new());
         };
-        if self.medium.pairs.iter().any(|pairs| pairs.len() != 2) {
+        if self.first_medium.pairs.iter().any(|pairs| pairs.len() != 2) {
             let found = "joints between blocks of a Cosserat solid";
             let allowed = "classical solids: a joint has no law for spins and couple stresses";
-            return Err(self.dynamics.error_at("joint", found, allowed).into());
+            return Err(self.solid_run.key_error("joint", found, allowed).into());
         }
+        self.check_fluid_speeds(blocks, step)?;
         let laws: Vec<LayerLaw<f64>> =
-            blocks.joint_laws().map(|own| own.material.law(own.mass)).collect();
-        let faces = blocks.compute_faces()?;
+            blocks.joint_laws().map(|own| own.material.to_law(own.mass)).collect();
+        let faces = blocks.compute_face_joints()?;
         let by_axis = (0..2).map(|axis| Interlayers {
             axis,
             laws: laws.iter().map(|law| InterlayerLaw::Plane(*law, axis)).collect(),
             planes: self
-                .create_seam(blocks, axis)
+                .create_periodic_joint_plane(blocks, axis)
                 .into_iter()
                 .chain(create_planes(blocks, axis, &faces[axis]))
                 .collect(),
-            has_open_ends: false,
+            has_open_ends: blocks.has_open_ends(axis),
         });
         Ok(by_axis.filter(|own| !own.planes.is_empty()).collect())
     }
 
-    /// Returns the joints between the last and the first blocks along a periodic axis, those that all faces normal to
-    /// the axis have; `None` without them.
-    fn create_seam(&self, blocks: &Blocks, axis: usize) -> Option<InterlayerPlane> {
-        if !is_periodic(self.dynamics, axis) {
+    /// Checks that waves of the fluid in saturated layers pass at most [`MAX_FLUID_CELLS`] cells in a step.
+    fn check_fluid_speeds(&self, blocks: &Blocks, step: f64) -> Result<(), Error> {
+        for contact in &blocks.contacts {
+            let Some(joint) = contact.joint_index.map(usize::from) else { continue };
+            let LayerMaterial::Saturated(layer) = &blocks.joints[joint].law.material else {
+                continue;
+            };
+            let cells = layer.fluid_speed() * step / blocks.spacing[1 - contact.axis];
+            if cells > MAX_FLUID_CELLS {
+                let found = format!(
+                    "found {:e}: waves of the fluid, {} m/s, pass {} cells in a step of {} s",
+                    layer.fluid_stiffness,
+                    format_short(layer.fluid_speed()),
+                    format_short(cells),
+                    format_short(step)
+                );
+                let bound = layer.fluid_stiffness * (MAX_FLUID_CELLS / cells).powi(2);
+                let allowed = format!(
+                    "expected at most {MAX_FLUID_CELLS} cells: at most {} Pa, or a smaller time.courant",
+                    format_short(bound)
+                );
+                let key = format!("joint[{joint}].fluid_stiffness");
+                return Err(self.solid_run.key_error(&key, found, allowed).into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the joint law between the last and the first blocks along a periodic axis, if the case sets one for all
+    /// faces normal to that axis; `None` otherwise.
+    fn create_periodic_joint_plane(&self, blocks: &Blocks, axis: usize) -> Option<InterlayerPlane> {
+        if !is_periodic(self.solid_run, axis) {
             return None;
         }
-        let is_everywhere = |joint: &JointEntry| matches!(&joint.selector, JointSelector::Every { axes, inside: None } if axes[axis]);
+        let is_everywhere = |joint: &JointEntry| matches!(&joint.selector, JointSelector::FacesNormalTo { axes, inside: None } if axes[axis]);
         let law = blocks.joints.iter().rposition(is_everywhere)?;
         Some(InterlayerPlane { cell: 0, laws: PlaneLaws::Uniform(law as u16) })
     }
 }
 
-/// Returns the planes with joints normal to an axis; `faces`: joint at the lower face of each cell.
+/// Returns the planes that contain joints normal to an axis; `faces` holds the index of the joint at the lower face of
+/// each cell, `None` without joint.
 fn create_planes(blocks: &Blocks, axis: usize, faces: &[Option<u16>]) -> Vec<InterlayerPlane> {
     let row = blocks.cells[0];
     let laws_at = |cell: usize| -> Vec<Option<u16>> {

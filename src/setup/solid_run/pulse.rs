@@ -1,23 +1,24 @@
 //! Initial state of a plane P or S pulse in a classical medium.
 
-use super::geometry::{cell_centre, containing_cell};
+use super::geometry::{cell_centre, find_containing_cell};
 use crate::Error;
-use crate::case::dynamics::{BodyWaveType, PlanePulseInput as CasePulse, SolidRun};
+use crate::case::dynamics::{BodyWaveType, PlanePulseInput, SolidRun};
 use crate::case::{Case, WaveNumbers};
 use crate::setup::solid::{create_elastic_law_and_set, wave_normal};
 use dynamics::initial::PlanePulse;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::SolidField;
 
-/// Largest fraction of the pulse amplitude that is allowed at cell centres in media other than that of the pulse.
+/// Largest fraction of the pulse amplitude that is allowed at cell centres outside the medium in which the pulse
+/// begins.
 const MAX_OUTSIDE_FRACTION: f64 = 1e-6;
 
 /// Plane pulse and the medium in which it begins.
 pub(super) struct IncidentPulse<'a> {
-    case_pulse: &'a CasePulse,
+    case_pulse: &'a PlanePulseInput,
     pulse: PlanePulse,
     /// Index of the medium in which the pulse begins, in the order of the regions.
-    medium: u16,
+    medium_index: u16,
 }
 
 impl<'a> IncidentPulse<'a> {
@@ -29,13 +30,13 @@ impl<'a> IncidentPulse<'a> {
     /// alone a plane pulse keeps its shape, or the pulse extends into another medium.
     pub(super) fn new(
         case: &Case,
-        dynamics: &SolidRun,
+        solid_run: &SolidRun,
         of_cell: &[u16],
-        case_pulse: &'a CasePulse,
+        case_pulse: &'a PlanePulseInput,
         key: &str,
     ) -> Result<Self, Error> {
-        let medium = of_cell[containing_cell(dynamics, &case_pulse.reference_point)];
-        let own = dynamics.materials().get(usize::from(medium)).copied().unwrap_or(&case.material);
+        let medium = of_cell[find_containing_cell(solid_run, &case_pulse.reference_point)];
+        let own = solid_run.materials().get(usize::from(medium)).copied().unwrap_or(&case.material);
         let (elastic, _) =
             create_elastic_law_and_set(own).map_err(|error| own.locate_error(error))?;
         let classical = elastic.downcast::<Isotropic>().filter(|own| own.microrotation.is_none());
@@ -43,7 +44,7 @@ impl<'a> IncidentPulse<'a> {
             let found = format!("a pulse in a solid of kind {}", own.kind.name());
             let allowed = "the kind classical: in others waves change their shape; give pulse \
                            or plane-wave";
-            return Err(dynamics.error_at(&format!("{key}.kind"), found, allowed).into());
+            return Err(solid_run.key_error(&format!("{key}.kind"), found, allowed).into());
         };
         let wave = WaveNumbers {
             wave_number: 1.0,
@@ -64,14 +65,14 @@ impl<'a> IncidentPulse<'a> {
                 PlanePulse::new_transverse(solid, n, azimuth, elevation, angle)
             }
         };
-        let own = Self { case_pulse, pulse, medium };
+        let own = Self { case_pulse, pulse, medium_index: medium };
         for (cell, _) in of_cell.iter().enumerate().filter(|other| *other.1 != medium) {
-            let x = cell_centre(dynamics, cell);
+            let x = cell_centre(solid_run, cell);
             if own.relative_amplitude(&x).abs() > MAX_OUTSIDE_FRACTION {
                 let found = format!("a pulse that reaches another medium at {x:?}");
                 let allowed = "one that begins in one medium: a smaller width, or at and time \
                                farther from the others";
-                return Err(dynamics.error_at(key, found, allowed).into());
+                return Err(solid_run.key_error(key, found, allowed).into());
             }
         }
         Ok(own)
@@ -90,7 +91,7 @@ impl<'a> IncidentPulse<'a> {
     /// Returns the value of a field at a point in the medium of index `medium`; 0 if the pulse is in another medium or
     /// does not change the field.
     pub(super) fn field_value(&self, field: SolidField, x: &[f64], medium: u16) -> f64 {
-        match self.pulse.field_per_velocity(field).filter(|_| medium == self.medium) {
+        match self.pulse.field_per_velocity(field).filter(|_| medium == self.medium_index) {
             Some(factor) => self.case_pulse.amplitude * factor * self.relative_amplitude(x),
             None => 0.0,
         }

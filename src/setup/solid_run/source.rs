@@ -1,34 +1,35 @@
-//! Sources, and distribution of point sources and point loads to cells and faces.
+//! Solver sources, and the distribution of point sources and point loads to cells and faces.
 
 use super::GridConverter;
 use super::geometry::is_periodic;
 use crate::Error;
 use crate::case::dynamics::{
-    BoundaryConditionKind, BoundaryFace, FaceRectangle, Kernel, PointSource as Inside, SolidRun,
-    SourceKind, StateComponent,
+    BoundaryConditionKind, BoundaryFace, FaceRectangle, Kernel, PointSource, SolidRun, SourceKind,
+    StateComponent,
 };
 use dynamics::boundary::{Signal, Source};
 use dynamics::point_kernel::{AxisEnd, PointPosition, bell_shares, nearest_share, spline_shares};
 use models::solid::waves::SolidField;
 use std::sync::Arc;
 
-/// Returns how a field continues beyond a boundary at a point: as a mirror image, periodically, or not (open).
-fn boundary_continuation(
-    dynamics: &SolidRun,
+/// Returns how a field is continued across a boundary near a point: as a mirror image, periodically, or not at all
+/// (open).
+fn find_boundary_continuation(
+    solid_run: &SolidRun,
     boundary: BoundaryFace,
     point: &[f64],
     field: SolidField,
 ) -> AxisEnd {
-    if is_periodic(dynamics, boundary.axis) {
+    if is_periodic(solid_run, boundary.axis) {
         return AxisEnd::Periodic;
     }
     let position: Vec<f64> = boundary
-        .tangential_axes(dynamics.grid.dimensions())
+        .tangential_axes(solid_run.grid.dimensions())
         .into_iter()
         .map(|axis| point[axis])
         .collect();
     let holds = |part: &FaceRectangle| part.contains(&position);
-    let entry = dynamics
+    let entry = solid_run
         .boundary_conditions
         .iter()
         .rev()
@@ -42,22 +43,22 @@ fn boundary_continuation(
     }
 }
 
-/// Returns the cells that take a point source of `field`, and the share of each; faces of a boundary instead of cells
-/// if `axes` are the tangential axes of that boundary.
+/// Returns the indices of the cells to which a point source of `field` is distributed, and the fraction of the source
+/// in each; boundary faces instead of cells if `axes` are the tangential axes of a boundary.
 fn compute_shares(
-    dynamics: &SolidRun,
+    solid_run: &SolidRun,
     axes: &[usize],
     point: &[f64],
     kernel: Kernel,
     field: SolidField,
 ) -> Vec<(usize, f64)> {
-    let grid = &dynamics.grid;
+    let grid = &solid_run.grid;
     let along: Vec<PointPosition> = axes
         .iter()
         .map(|&axis| PointPosition {
             cells: grid.cells[axis],
             ends: [false, true].map(|is_upper| {
-                boundary_continuation(dynamics, BoundaryFace { axis, is_upper }, point, field)
+                find_boundary_continuation(solid_run, BoundaryFace { axis, is_upper }, point, field)
             }),
             x: (point[axis] - grid.origin[axis]) / grid.spacing[axis] - 0.5,
         })
@@ -72,13 +73,13 @@ fn compute_shares(
     }
 }
 
-/// Maximum number of cells or faces in the rectangle or cuboid around a bell kernel.
+/// Maximum number of cells or faces in the bounding rectangle or cuboid of a bell kernel.
 const MAX_KERNEL_CELLS: f64 = 1e7;
 
 /// Checks that the radius of a bell kernel is at most twice the largest extent of the grid, and that the kernel covers
 /// at most [`MAX_KERNEL_CELLS`] cells or faces.
-fn check_radius(dynamics: &SolidRun, axes: &[usize], radius: f64, key: &str) -> Result<(), Error> {
-    let grid = &dynamics.grid;
+fn check_radius(solid_run: &SolidRun, axes: &[usize], radius: f64, key: &str) -> Result<(), Error> {
+    let grid = &solid_run.grid;
     let widest = (0..grid.dimensions()).map(|axis| grid.cells[axis] as f64 * grid.spacing[axis]);
     let widest = 2.0 * widest.fold(0.0, f64::max);
     let places: f64 = axes.iter().map(|&axis| 2.0 * radius / grid.spacing[axis] + 1.0).product();
@@ -87,12 +88,12 @@ fn check_radius(dynamics: &SolidRun, axes: &[usize], radius: f64, key: &str) -> 
     }
     let found = format!("found {radius:?}, over {places:.1e} cells");
     let allowed = format!("at most {widest:?}, twice the grid, and {MAX_KERNEL_CELLS:e} cells");
-    Err(dynamics.error_at(&format!("{key}.radius"), found, allowed).into())
+    Err(solid_run.key_error(&format!("{key}.radius"), found, allowed).into())
 }
 
 impl GridConverter<'_> {
-    /// Returns the cells or faces that take a point source or point load, and the share of each; a source or load all
-    /// of whose shares are below 10⁻¹² in magnitude is refused.
+    /// Returns the indices of the cells or faces to which a point source or point load is distributed, and the fraction
+    /// in each; refuses a source or load whose fractions are all below 10⁻¹² in magnitude.
     pub(super) fn compute_checked_shares(
         &self,
         axes: &[usize],
@@ -102,23 +103,23 @@ impl GridConverter<'_> {
         key: &str,
     ) -> Result<Vec<(usize, f64)>, Error> {
         if let Kernel::Bell { radius } = kernel {
-            check_radius(self.dynamics, axes, radius, key)?;
+            check_radius(self.solid_run, axes, radius, key)?;
         }
-        let shares = compute_shares(self.dynamics, axes, point, kernel, field);
+        let shares = compute_shares(self.solid_run, axes, point, kernel, field);
         if shares.iter().all(|own| own.1.abs() < 1e-12) {
             let found = format!("what drives {} is on a plane of symmetry", StateComponent(field));
             let allowed = "its mirror image takes it away: leave that component out, or move it";
-            return Err(self.dynamics.error_at(&format!("{key}.at"), found, allowed).into());
+            return Err(self.solid_run.key_error(&format!("{key}.at"), found, allowed).into());
         }
         Ok(shares)
     }
 
-    /// Creates the solver sources of a source, one for each group of components with equal shares of the cells: mirror
-    /// images at a boundary have the same sign for all components of a group.
+    /// Creates the solver sources of a source of the case, one for each group of components that are distributed alike:
+    /// at a boundary the mirror images of all components of a group have the same sign.
     pub(super) fn create_sources(
         &self,
         index: usize,
-        source: &Inside,
+        source: &PointSource,
     ) -> Result<Vec<Source>, Error> {
         let amplitudes: Vec<(SolidField, f64)> = match &source.kind {
             SourceKind::Force(force) => {
@@ -132,7 +133,7 @@ impl GridConverter<'_> {
                 let entries = moment.iter().enumerate().flat_map(|(i, row)| {
                     row.iter().enumerate().map(move |(j, m)| (SolidField::Stress(i, j), *m))
                 });
-                let is_classical = self.medium.rotation.is_none();
+                let is_classical = self.first_medium.rotation.is_none();
                 let transposed = |i: usize, j: usize| moment[j][i];
                 if is_classical
                     && entries.clone().any(|(field, m)| match field {
@@ -143,9 +144,9 @@ impl GridConverter<'_> {
                     let found = "a moment tensor that is not symmetric in a classical solid";
                     let allowed = "a symmetric one; couples need a solid with spin";
                     let key = format!("source[{index}].amplitude");
-                    return Err(self.dynamics.error_at(&key, found, allowed).into());
+                    return Err(self.solid_run.key_error(&key, found, allowed).into());
                 }
-                entries.filter(|(field, _)| self.medium.fields.contains(field)).collect()
+                entries.filter(|(field, _)| self.first_medium.fields.contains(field)).collect()
             }
             // In plane strain the out-of-plane component σ₃₃ is included.
             SourceKind::Explosion(moment) => {
@@ -154,7 +155,7 @@ impl GridConverter<'_> {
         };
         let time = source.time_function.clone();
         let signal: Signal = Arc::new(move |t| time.evaluate(t));
-        let axes: Vec<usize> = (0..self.dynamics.grid.dimensions()).collect();
+        let axes: Vec<usize> = (0..self.solid_run.grid.dimensions()).collect();
         let key = format!("source[{index}]");
         let mut parts: Vec<Source> = Vec::new();
         for own in amplitudes.into_iter().filter(|(_, amplitude)| *amplitude != 0.0) {

@@ -1,4 +1,4 @@
-//! Agreement of time-domain measurements with the predictions of the analysis.
+//! Agreement of waves measured by the solvers in the time domain with those predicted by the analysis.
 //!
 //! [`agreement`] compares prediction and measurement; this module collects its results for the problems of a case.
 
@@ -17,28 +17,30 @@ use flow::FlowCheck;
 use serde::Serialize;
 use solid::SolidCheck;
 
-/// Comparison of measured with predicted waves.
+/// Result of comparing the measured waves of a case with the predicted ones.
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckResult {
-    /// Title of the medium.
+    /// Title of the checked medium.
     #[serde(rename = "model")]
     pub medium_title: String,
-    /// Whether all measurements agree, grid refinements and forbidden bands included; `None` without any.
-    pub agrees: Option<bool>,
-    /// Result of the check.
+    /// Whether all measurements agree with the predictions, including grid refinements and band gaps; `None` without
+    /// measurements.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: Option<bool>,
+    /// Detailed results, by kind of medium.
     #[serde(flatten)]
     pub outcome: CheckOutcome,
 }
 
-/// Result of the check of a case.
+/// Detailed results of the check of a case, by kind of medium.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum CheckOutcome {
-    /// Check of a solid.
+    /// Check results of a solid.
     Solid(SolidCheck),
-    /// Check of a flow.
+    /// Check results of a flow.
     Flow(FlowCheck),
-    /// No solver supports the case.
+    /// Nothing is measured, since no solver supports the case.
     NotMeasurable {
         /// Reason why no solver supports the case.
         #[serde(rename = "not_measurable")]
@@ -66,10 +68,10 @@ pub enum CheckOutcome {
 /// ";
 /// let case = Case::parse(text, "elastic.toml", &[])?;
 /// let found = wellposed::check_agreement(&case, CheckExtent::Short, &ignore_progress)?;
-/// assert_eq!(found.agrees, Some(true));
+/// assert_eq!(found.is_in_agreement, Some(true));
 /// let CheckOutcome::Solid(solid) = found.outcome else { panic!("a solid") };
 /// // Pressure and shear waves in two directions.
-/// assert_eq!(solid.media[0].rows.len(), 4);
+/// assert_eq!(solid.medium_checks[0].branch_checks.len(), 4);
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 ///
@@ -80,28 +82,28 @@ pub fn check_agreement(
     extent: CheckExtent,
     on_progress: ProgressCallback,
 ) -> Result<CheckResult, Error> {
-    let (agrees, outcome) = match CheckPlan::new(case, extent)? {
-        CheckPlan::Solid { media, blocks } => {
+    let (is_in_agreement, outcome) = match CheckPlan::new(case, extent)? {
+        CheckPlan::Solid { medium_plans: media, blocky_medium_plans: blocks } => {
             let found = solid::check_solid((media, blocks), &case.material, on_progress)?;
-            (found.agrees(), CheckOutcome::Solid(found))
+            (found.is_in_agreement(), CheckOutcome::Solid(found))
         }
         CheckPlan::Flow(plan) => {
             let found = flow::check_flow(case, &plan, on_progress)?;
-            (found.agrees(), CheckOutcome::Flow(found))
+            (found.is_in_agreement(), CheckOutcome::Flow(found))
         }
         CheckPlan::NotMeasurable(reason) => (None, CheckOutcome::NotMeasurable { reason }),
     };
-    Ok(CheckResult { medium_title: case.medium().title(), agrees, outcome })
+    Ok(CheckResult { medium_title: case.medium().title(), is_in_agreement, outcome })
 }
 
 impl CheckResult {
-    /// Returns the number of checked items (branches and forbidden bands of a solid and its blocks, modes and grid refinements of a
-    /// flow) and the number of those that disagree.
-    pub fn row_counts(&self) -> [usize; 2] {
+    /// Returns the number of checked items and the number of those that disagree. Items are branches and band gaps of a
+    /// solid and its blocks, or modes and grid refinements of a flow.
+    pub fn item_and_failure_counts(&self) -> [usize; 2] {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => [0, 0],
-            CheckOutcome::Flow(own) => own.row_counts(),
-            CheckOutcome::Solid(own) => own.row_counts(),
+            CheckOutcome::Flow(own) => own.item_and_failure_counts(),
+            CheckOutcome::Solid(own) => own.item_and_failure_counts(),
         }
     }
 
@@ -111,8 +113,13 @@ impl CheckResult {
             CheckOutcome::NotMeasurable { .. } => 0,
             CheckOutcome::Flow(own) => own.unmeasured_count(),
             CheckOutcome::Solid(own) => {
-                let media: usize = own.media.iter().map(|own| own.unmeasured_count()).sum();
-                media + own.blocks.iter().map(|own| own.unmeasured_count()).sum::<usize>()
+                let media: usize = own.medium_checks.iter().map(|own| own.unmeasured_count()).sum();
+                media
+                    + own
+                        .blocky_medium_checks
+                        .iter()
+                        .map(|own| own.unmeasured_count())
+                        .sum::<usize>()
             }
         }
     }
@@ -124,16 +131,16 @@ impl CheckResult {
             CheckOutcome::NotMeasurable { .. } => None,
             CheckOutcome::Flow(own) => own.max_relative_difference(),
             CheckOutcome::Solid(own) => {
-                let media = own.media.iter().flat_map(|own| own.relative_differences());
-                max_or_nan(
-                    media.chain(own.blocks.iter().flat_map(|own| own.relative_differences())),
-                )
+                let media = own.medium_checks.iter().flat_map(|own| own.relative_differences());
+                max_with_nan_largest(media.chain(
+                    own.blocky_medium_checks.iter().flat_map(|own| own.relative_differences()),
+                ))
             }
         }
     }
 }
 
-/// Returns the maximum, where NaN counts as the largest value; `None` without values.
-fn max_or_nan(sizes: impl Iterator<Item = f64>) -> Option<f64> {
+/// Returns the maximum of `sizes`, where NaN counts as the largest value; `None` without values.
+fn max_with_nan_largest(sizes: impl Iterator<Item = f64>) -> Option<f64> {
     sizes.reduce(|sum, own| if own <= sum || sum.is_nan() { sum } else { own })
 }

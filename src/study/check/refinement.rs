@@ -1,4 +1,4 @@
-//! Grid refinement of a perturbation of a flow.
+//! Growth of a perturbation of a flow on successively refined grids.
 
 use crate::Error;
 use crate::case::ConvertedCase;
@@ -13,31 +13,35 @@ use analysis::newton_polygon::GrowthOrder;
 use serde::Serialize;
 use std::ops::ControlFlow;
 
-/// Grid refinement of a perturbation in one model.
+/// Growth of a perturbation on successively refined grids in one model, compared with the prediction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RefinementCheck {
-    /// Name of the model.
-    pub model: &'static str,
+    /// Name of the model in case files.
+    #[serde(rename = "model")]
+    pub model_name: &'static str,
     /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
     #[serde(rename = "lost_noncoaxiality_deg")]
     pub replaced_noncoaxiality_deg: Option<f64>,
     /// Order of growth in the wave number k as k → ∞ according to the verdict; 0 if well-posed.
     #[serde(rename = "limit_of_the_order")]
     pub verdict_order: f64,
-    /// Orders of growth over these grids; `None` for fewer than two grids, if `is_growing` is
-    /// false, or if the fastest modes of all grids have equal wave numbers.
-    pub orders: Option<GrowthOrders>,
+    /// Orders of growth in the wave number, fitted over the refined grids; `None` for fewer than two grids, if
+    /// `is_growing` is false, or if the fastest modes of all grids have equal wave numbers.
+    #[serde(rename = "orders")]
+    pub growth_orders: Option<GrowthOrders>,
     /// Check of the fastest growing mode on each grid.
-    pub grids: Vec<FastestModeCheck>,
-    /// Whether measured and predicted rates agree on all grids and, if `orders` is not `None`, also the orders, of
-    /// which the predicted one must be close to `verdict_order`.
-    pub agrees: bool,
+    #[serde(rename = "grids")]
+    pub fastest_modes: Vec<FastestModeCheck>,
+    /// Whether measured and predicted rates agree on all grids. If `growth_orders` is not `None`, the measured order
+    /// must also agree with the predicted one, and the latter must be close to `verdict_order`.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: bool,
     /// Whether the fastest mode of each grid grows at more than three times the shear rate of the mean flow.
     #[serde(skip)]
     pub is_growing: bool,
-    /// Title of the model.
+    /// Title of the model in reports.
     #[serde(skip)]
-    pub title: &'static str,
+    pub model_title: &'static str,
     /// Shear rate Q_D of the mean flow in this model: magnitude of the deviatoric deformation rate, 1/s.
     #[serde(skip)]
     pub shear_rate: f64,
@@ -46,28 +50,35 @@ pub struct RefinementCheck {
 /// Orders of growth in the wave number, fitted over the refined grids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GrowthOrders {
-    /// Order of the predicted rates.
-    pub predicted: f64,
-    /// Order of the measured rates.
-    pub measured: f64,
+    /// Order of growth in the wave number of the predicted rates.
+    #[serde(rename = "predicted")]
+    pub predicted_order: f64,
+    /// Order of growth in the wave number of the measured rates.
+    #[serde(rename = "measured")]
+    pub measured_order: f64,
 }
 
-/// Check of the fastest growing mode of one grid.
+/// Growth rate of the fastest growing mode of one grid, predicted and measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FastestModeCheck {
     /// Number of grid points along each axis.
-    pub points: [usize; 2],
-    /// Numbers of periods of the mode along each axis.
-    pub mode: [i32; 2],
+    #[serde(rename = "points")]
+    pub point_counts: [usize; 2],
+    /// Number of periods of the mode in the box along each axis.
+    #[serde(rename = "mode")]
+    pub mode_numbers: [i32; 2],
     /// Initial wave number of the mode, 1/m.
     #[serde(rename = "number")]
     pub wave_number: f64,
     /// Growth rate predicted by the linearised equations, 1/s.
-    pub predicted: f64,
+    #[serde(rename = "predicted")]
+    pub predicted_growth: f64,
     /// Growth rate measured by the solver, 1/s.
-    pub measured: f64,
-    /// Whether measured and predicted rate agree.
-    pub agrees: bool,
+    #[serde(rename = "measured")]
+    pub measured_growth: f64,
+    /// Whether measured and predicted growth rates of this mode agree.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: bool,
 }
 
 /// Progress callback, called with the index of the grid, and the number of done and of all increments of that grid.
@@ -95,22 +106,25 @@ pub(super) fn check_refinement(
     let grids = grids.iter().enumerate().map(fastest).collect::<Result<_, Error>>()?;
     let own = GridRefinement { verdict_order, grids, shear_rate: problem.flow.shear_rate };
     let grid = |grid: &FastestMode| FastestModeCheck {
-        points: grid.points,
-        mode: grid.mode,
+        point_counts: grid.points,
+        mode_numbers: grid.mode,
         wave_number: grid.wave_number,
-        predicted: grid.predicted_growth,
-        measured: grid.measured_growth,
-        agrees: own.is_grid_within_tolerance(grid),
+        predicted_growth: grid.predicted_growth,
+        measured_growth: grid.measured_growth,
+        is_in_agreement: own.is_grid_within_tolerance(grid),
     };
     Ok(RefinementCheck {
-        model: case.material.kind.name(),
+        model_name: case.material.kind.name(),
         replaced_noncoaxiality_deg: lost_noncoaxiality_deg,
         verdict_order,
-        orders: own.fit_orders().map(|[predicted, measured]| GrowthOrders { predicted, measured }),
-        grids: own.grids.iter().map(grid).collect(),
-        agrees: own.is_within_tolerance(),
+        growth_orders: own.fit_orders().map(|[predicted, measured]| GrowthOrders {
+            predicted_order: predicted,
+            measured_order: measured,
+        }),
+        fastest_modes: own.grids.iter().map(grid).collect(),
+        is_in_agreement: own.is_within_tolerance(),
         is_growing: own.is_growing(),
-        title: case.material.kind.title(),
+        model_title: case.material.kind.title(),
         shear_rate: own.shear_rate,
     })
 }

@@ -1,9 +1,10 @@
-//! Checks of solids: branches of all waves as predicted by the analysis, expected of the scheme, and measured.
+//! Checks of solids: rates of all wave branches as predicted by the analysis, as expected of the numerical scheme, and
+//! as measured by the solver.
 
-use super::blocks::BlocksCheck;
-use super::max_or_nan;
+use super::blocks::BlockyMediumCheck;
+use super::max_with_nan_largest;
 use crate::case::{Material, WaveNumbers};
-use crate::setup::check::blocks::BlocksPlan;
+use crate::setup::check::blocks::BlockyMediumPlan;
 use crate::setup::check::locate_agreement_error;
 use crate::setup::check::solid::{MediumPlan, WavePlan};
 use crate::study::ProgressCallback;
@@ -18,80 +19,92 @@ use models::elastoplastic::Solid;
 use serde::{Serialize, Serializer};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Check result of a solid.
+/// Check result of a solid: all its media, and the blocky media that its joints form.
 #[derive(Clone, Debug, Serialize)]
 pub struct SolidCheck {
-    /// Check of each medium.
-    pub media: Vec<MediumCheck>,
-    /// Check of each periodic medium of blocks and joints; empty without joints.
+    /// Check result of each homogeneous medium of the solid.
+    #[serde(rename = "media")]
+    pub medium_checks: Vec<MediumCheck>,
+    /// Check result of each periodic medium of blocks and joints; empty without joints.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub blocks: Vec<BlocksCheck>,
+    #[serde(rename = "blocks")]
+    pub blocky_medium_checks: Vec<BlockyMediumCheck>,
 }
 
-/// Check result of a medium.
+/// Check result of one homogeneous medium.
 #[derive(Clone, Debug, Serialize)]
 pub struct MediumCheck {
     /// Key of the region in the case, such as `region[0]`; empty if the case has no regions.
     #[serde(rename = "place")]
     pub region_key: String,
-    /// Title of the medium.
+    /// Title of the medium in reports.
     #[serde(rename = "model")]
     pub medium_title: String,
-    /// Whether all measured branches agree and all forbidden bands are confirmed; `None` without measurement.
-    pub agrees: Option<bool>,
+    /// Whether all measured branches agree and all band gaps are confirmed; `None` without measurement.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: Option<bool>,
     /// Check of each branch of each wave.
-    pub rows: Vec<BranchCheck>,
-    /// Check results of the forbidden bands of an elastic solid between two nonzero frequencies, in the direction of
-    /// the first wave; empty for yielding solids.
-    pub forbidden_bands: Vec<ForbiddenBandCheck>,
-    /// Solid with its yield set and stress.
+    #[serde(rename = "rows")]
+    pub branch_checks: Vec<BranchCheck>,
+    /// Check results of the band gaps of an elastic solid between two nonzero frequencies, in the direction of the
+    /// first wave; empty for yielding solids.
+    #[serde(rename = "forbidden_bands")]
+    pub band_gaps: Vec<BandGapCheck>,
+    /// Solid of this medium with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
     /// Predicted branches in the direction of the first wave, one entry per response.
     #[serde(skip)]
-    pub branches: Vec<(WaveResponse, Vec<BranchGroup>)>,
+    pub predicted_branches: Vec<(WaveResponse, Vec<BranchGroup>)>,
 }
 
-/// Check of a branch at one wave vector.
+/// Check of one branch of the dispersion relation at one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchCheck {
     /// Response of the solid: elastic, loading or unloading.
     #[serde(serialize_with = "serialize_response_name")]
     pub response: WaveResponse,
-    /// Name of the branch.
-    pub branch: String,
-    /// Wave vector of the wave.
+    /// Name of the branch: polarisation and number.
+    #[serde(rename = "branch")]
+    pub branch_label: String,
+    /// Wave vector at which the branch is checked.
     pub wave: WaveVector,
-    /// Complex frequency predicted by the analysis.
-    pub predicted: ComplexFrequency,
-    /// Measurement extrapolated to zero cell size; `None` without measurement.
-    pub limit: Option<GridCheck>,
-    /// Measurements by grid, coarsest first; empty without measurement.
-    pub grids: Vec<GridCheck>,
+    /// Frequency and growth rate predicted by the analysis.
+    #[serde(rename = "predicted")]
+    pub predicted_frequency: ComplexFrequency,
+    /// Measured rate, extrapolated to zero cell size; `None` without measurement.
+    #[serde(rename = "limit")]
+    pub extrapolated_result: Option<GridCheck>,
+    /// Measured rates on each grid, coarsest grid first; empty without measurement.
+    #[serde(rename = "grids")]
+    pub grid_results: Vec<GridCheck>,
     /// Reason why there is no measurement; `None` if there is one.
     #[serde(rename = "not_measurable")]
     pub unmeasured_reason: Option<String>,
     /// Order of convergence in the cell size; `None` if the error is at the level of rounding, or without measurement.
-    pub order: Option<f64>,
+    #[serde(rename = "order")]
+    pub convergence_order: Option<f64>,
     /// Whether measured and expected rates agree on every grid and in the limit of zero cell size; `None` without
     /// measurement.
-    pub agrees: Option<bool>,
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: Option<bool>,
     /// Measured minus predicted rate in the limit of zero cell size, relative to the predicted frequency; `None`
     /// without measurement.
     #[serde(skip)]
-    pub difference: Option<Rate>,
+    pub measured_difference: Option<Rate>,
     /// Expected minus predicted rate in the limit of zero cell size, relative to the predicted frequency; the expected
     /// rate follows from the amplification matrix of the scheme. `None` without measurement.
     #[serde(skip)]
     pub expected_difference: Option<Rate>,
 }
 
-/// Complex frequency of a wave: angular frequency and growth rate.
+/// Complex frequency of a wave, as angular frequency and growth rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexFrequency {
-    /// Angular frequency ω, rad/s.
-    pub frequency: f64,
-    /// Growth rate γ, 1/s.
+    /// Angular frequency ω of the wave, rad/s.
+    #[serde(rename = "frequency")]
+    pub angular_frequency: f64,
+    /// Growth rate γ of the wave, 1/s.
     pub growth_rate: f64,
 }
 
@@ -101,39 +114,42 @@ pub struct GridCheck {
     /// Cells per period along each axis; `None` in the limit of zero cell size.
     #[serde(rename = "cells")]
     pub cells_per_period: Option<usize>,
-    /// Measured angular frequency ω, rad/s.
+    /// Angular frequency ω measured by the solver, rad/s.
     pub frequency: f64,
-    /// Measured growth rate γ, 1/s.
+    /// Growth rate γ measured by the solver, 1/s.
     pub growth_rate: f64,
     /// Angular frequency ω expected from the amplification matrix of the scheme, rad/s.
     pub expected_frequency: f64,
     /// Growth rate γ expected from the amplification matrix of the scheme, 1/s.
     pub expected_growth_rate: f64,
     /// Measured minus predicted frequency, relative to the predicted one.
-    pub difference: f64,
+    #[serde(rename = "difference")]
+    pub relative_frequency_error: f64,
     /// Bound on the difference of measured and expected rates, 1/s.
     pub tolerance: f64,
-    /// Whether measured and expected rates agree.
-    pub agrees: bool,
+    /// Whether measured and expected rates on this grid agree within `tolerance`.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: bool,
 }
 
-/// Check of a frequency band in which no wave of a polarisation propagates.
+/// Check of a band gap: a frequency interval in which no wave of a polarisation propagates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ForbiddenBandCheck {
-    /// Polarisation of the waves.
+pub struct BandGapCheck {
+    /// Polarisation of the waves that do not propagate in the band gap.
     pub polarisation: &'static str,
-    /// Lower edge of the band, rad/s.
+    /// Lower edge of the band gap, rad/s.
     #[serde(rename = "from")]
     pub lower_edge: f64,
-    /// Upper edge of the band, rad/s.
+    /// Upper edge of the band gap, rad/s.
     #[serde(rename = "to")]
     pub upper_edge: f64,
-    /// Measured frequencies next to the band, rad/s: the largest one below its upper edge and the smallest one above
-    /// its lower edge; `None` where there is no such frequency.
+    /// Measured frequencies nearest to the band gap, rad/s: the largest one below its upper edge and the smallest one
+    /// above its lower edge; `None` where there is no such frequency.
     #[serde(rename = "nearest")]
     pub nearest_frequencies: [Option<f64>; 2],
-    /// Whether no measured frequency is inside the band, within discretisation error and tolerance.
-    pub agrees: bool,
+    /// Whether no measured frequency is inside the band gap, within discretisation error and tolerance.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: bool,
 }
 
 fn serialize_response_name<S: Serializer>(
@@ -143,48 +159,55 @@ fn serialize_response_name<S: Serializer>(
     serializer.serialize_str(response.name())
 }
 
-/// Checks all media of a solid, and its periodic media of blocks and joints; `material`: material of the case.
+/// Checks all media of a solid, and the periodic media of its blocks and joints; `material` is the material of the
+/// case, named in errors.
 pub(super) fn check_solid(
-    (media, blocks): (Vec<MediumPlan>, Vec<BlocksPlan>),
+    (media, blocks): (Vec<MediumPlan>, Vec<BlockyMediumPlan>),
     material: &Material,
     on_progress: ProgressCallback,
 ) -> Result<SolidCheck, Error> {
-    let mut progress = SeriesProgress { on_progress, before: 0, left: media.len() + blocks.len() };
-    let mut checked = SolidCheck { media: Vec::new(), blocks: Vec::new() };
+    let mut progress = CheckSeriesProgress {
+        on_progress,
+        completed_tasks: 0,
+        remaining_checks: media.len() + blocks.len(),
+    };
+    let mut checked = SolidCheck { medium_checks: Vec::new(), blocky_medium_checks: Vec::new() };
     for medium in media {
-        checked.media.push(progress.run(|own| MediumCheck::new(medium, own))?);
+        checked.medium_checks.push(progress.run(|own| MediumCheck::new(medium, own))?);
     }
     for plan in blocks {
-        checked.blocks.push(progress.run(|own| BlocksCheck::new(plan, material, own))?);
+        checked
+            .blocky_medium_checks
+            .push(progress.run(|own| BlockyMediumCheck::new(plan, material, own))?);
     }
     Ok(checked)
 }
 
-/// Progress of a series of checks.
-struct SeriesProgress<'a> {
+/// Progress of a series of checks that are run one after another.
+struct CheckSeriesProgress<'a> {
     on_progress: ProgressCallback<'a>,
-    /// Number of tasks of the checks before.
-    before: usize,
-    /// Number of checks that are left, with the present one.
-    left: usize,
+    /// Number of tasks of all checks that are complete.
+    completed_tasks: usize,
+    /// Number of checks that are not complete, including the one in progress.
+    remaining_checks: usize,
 }
 
-impl SeriesProgress<'_> {
-    /// Runs a check. The number of tasks of the next checks is not known yet; for each it is assumed to be that of this
-    /// one.
+impl CheckSeriesProgress<'_> {
+    /// Runs one check. The numbers of tasks of later checks are not known yet; each is assumed to equal that of this
+    /// check.
     fn run<T>(
         &mut self,
         check: impl FnOnce(ProgressCallback) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let tasks = AtomicUsize::new(0);
-        let (before, left) = (self.before, self.left);
+        let (before, left) = (self.completed_tasks, self.remaining_checks);
         let on_progress = |done: usize, all: usize| {
             tasks.store(all, Ordering::Relaxed);
             (self.on_progress)(before + done, before + all * left)
         };
         let found = check(&on_progress)?;
-        self.before += tasks.into_inner();
-        self.left -= 1;
+        self.completed_tasks += tasks.into_inner();
+        self.remaining_checks -= 1;
         Ok(found)
     }
 }
@@ -210,21 +233,23 @@ pub fn compute_branch_results(
 
 impl SolidCheck {
     /// Returns whether all measurements agree; `None` without any.
-    pub fn agrees(&self) -> Option<bool> {
-        let media = self.media.iter().filter_map(|own| own.agrees);
-        let all: Vec<bool> = media.chain(self.blocks.iter().filter_map(|own| own.agrees)).collect();
+    pub fn is_in_agreement(&self) -> Option<bool> {
+        let media = self.medium_checks.iter().filter_map(|own| own.is_in_agreement);
+        let all: Vec<bool> = media
+            .chain(self.blocky_medium_checks.iter().filter_map(|own| own.is_in_agreement))
+            .collect();
         (!all.is_empty()).then(|| all.into_iter().all(|own| own))
     }
 
-    /// Returns the number of branches and forbidden bands, and the number that disagree.
-    pub fn row_counts(&self) -> [usize; 2] {
+    /// Returns the number of checked branches and band gaps, and the number of those that disagree.
+    pub fn item_and_failure_counts(&self) -> [usize; 2] {
         let rows = || {
-            let media = self.media.iter().flat_map(|own| &own.rows);
-            media.chain(self.blocks.iter().flat_map(|own| &own.rows))
+            let media = self.medium_checks.iter().flat_map(|own| &own.branch_checks);
+            media.chain(self.blocky_medium_checks.iter().flat_map(|own| &own.branch_checks))
         };
-        let bands = || self.media.iter().flat_map(|own| &own.forbidden_bands);
-        let failed = rows().filter(|row| row.agrees == Some(false)).count()
-            + bands().filter(|band| !band.agrees).count();
+        let bands = || self.medium_checks.iter().flat_map(|own| &own.band_gaps);
+        let failed = rows().filter(|row| row.is_in_agreement == Some(false)).count()
+            + bands().filter(|band| !band.is_in_agreement).count();
         [rows().count() + bands().count(), failed]
     }
 }
@@ -255,34 +280,35 @@ impl MediumCheck {
                     .map_err(|error| setup::locate_state_error(&material, error.into()))?;
             predicted.push((response, groups));
         }
-        let measured: Vec<bool> = rows.iter().filter_map(|row| row.agrees).collect();
-        let all_agree =
-            bands.iter().all(|band| band.is_confirmed) && measured.iter().all(|agrees| *agrees);
+        let measured: Vec<bool> = rows.iter().filter_map(|row| row.is_in_agreement).collect();
+        let all_in_agreement = bands.iter().all(|band| band.is_confirmed)
+            && measured.iter().all(|is_in_agreement| *is_in_agreement);
         Ok(Self {
             region_key,
             medium_title: material.medium().title(),
-            agrees: (!measured.is_empty()).then_some(all_agree),
-            rows,
-            forbidden_bands: bands.iter().map(ForbiddenBandCheck::from).collect(),
+            is_in_agreement: (!measured.is_empty()).then_some(all_in_agreement),
+            branch_checks: rows,
+            band_gaps: bands.iter().map(BandGapCheck::from).collect(),
             solid,
-            branches: predicted,
+            predicted_branches: predicted,
         })
     }
 
-    /// Returns the number of rows without measurement.
+    /// Returns the number of branches without measurement.
     pub fn unmeasured_count(&self) -> usize {
-        self.rows.iter().filter(|row| row.unmeasured_reason.is_some()).count()
+        self.branch_checks.iter().filter(|row| row.unmeasured_reason.is_some()).count()
     }
 
     /// Returns the largest difference of a measured rate in the limit of zero cell size, relative to the predicted
     /// frequency; `None` without measurement.
     pub fn max_relative_difference(&self) -> Option<f64> {
-        max_or_nan(self.relative_differences())
+        max_with_nan_largest(self.relative_differences())
     }
 
-    /// Returns the differences of measured rates, relative to the predicted frequencies.
+    /// Iterates over the differences of measured rates in the limit of zero cell size, relative to the predicted
+    /// frequencies.
     pub(super) fn relative_differences(&self) -> impl Iterator<Item = f64> {
-        self.rows.iter().filter_map(|row| Some(row.difference?.max_norm()))
+        self.branch_checks.iter().filter_map(|row| Some(row.measured_difference?.max_norm()))
     }
 }
 
@@ -293,15 +319,18 @@ impl BranchCheck {
         let grids = measured.iter().flat_map(|own| &own.grids);
         Self {
             response: result.response,
-            branch: result.branch_label.clone(),
+            branch_label: result.branch_label.clone(),
             wave: wave.into(),
-            predicted: ComplexFrequency { frequency: result.predicted_frequency, growth_rate: 0.0 },
-            limit: limit.map(|limit| GridCheck { cells_per_period: None, ..limit }),
-            grids: grids.map(|grid| GridCheck::new(result, grid)).collect(),
+            predicted_frequency: ComplexFrequency {
+                angular_frequency: result.predicted_frequency,
+                growth_rate: 0.0,
+            },
+            extrapolated_result: limit.map(|limit| GridCheck { cells_per_period: None, ..limit }),
+            grid_results: grids.map(|grid| GridCheck::new(result, grid)).collect(),
             unmeasured_reason: result.measurement.as_ref().err().map(ToString::to_string),
-            order: result.convergence_order(),
-            agrees: result.is_within_tolerance(),
-            difference: result.measured_difference(),
+            convergence_order: result.convergence_order(),
+            is_in_agreement: result.is_within_tolerance(),
+            measured_difference: result.measured_difference(),
             expected_difference: result.expected_difference(),
         }
     }
@@ -315,21 +344,21 @@ impl GridCheck {
             growth_rate: grid.measured_rate.growth_rate,
             expected_frequency: grid.expected_rate.frequency,
             expected_growth_rate: grid.expected_rate.growth_rate,
-            difference: row.relative_difference(grid.measured_rate).frequency,
+            relative_frequency_error: row.relative_difference(grid.measured_rate).frequency,
             tolerance: grid.tolerance,
-            agrees: grid.is_within_tolerance(),
+            is_in_agreement: grid.is_within_tolerance(),
         }
     }
 }
 
-impl From<&BandGap> for ForbiddenBandCheck {
+impl From<&BandGap> for BandGapCheck {
     fn from(gap: &BandGap) -> Self {
         Self {
             polarisation: gap.polarisation.name(),
             lower_edge: gap.lower_frequency,
             upper_edge: gap.upper_frequency,
             nearest_frequencies: gap.nearest_frequencies,
-            agrees: gap.is_confirmed,
+            is_in_agreement: gap.is_confirmed,
         }
     }
 }

@@ -18,11 +18,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Memory needed besides the points of a map and one table column, bytes: that of the program and the picture.
-const PROGRAM_MEMORY: f64 = 60.0 * 1048576.0;
+/// Memory of the program and the picture, bytes, which a map needs in addition to its points and one table column.
+const PROGRAM_MEMORY_BYTES: f64 = 60.0 * 1048576.0;
 
 /// Number of points that a thread assesses between progress reports.
-const POINTS_PER_BLOCK: usize = 64;
+const POINTS_PER_PROGRESS_REPORT: usize = 64;
 
 /// Quantities to be computed on a map besides the verdicts. Growth rates and their suprema need the dispersion
 /// polynomial of every state; if they are computed, no verdict is by closed form.
@@ -53,8 +53,8 @@ impl MapOptions {
     }
 }
 
-/// Assesses all states of the map of a case on the surrounding thread pool. Points are independent, hence the result
-/// does not depend on the number of threads.
+/// Assesses all states of the map of a case on the rayon thread pool in which it is called. Points are independent,
+/// hence the result does not depend on the number of threads.
 ///
 /// # Errors
 /// The case has no map or is invalid at all of its points, or memory is insufficient; [`Error::Cancelled`].
@@ -108,7 +108,7 @@ pub fn compute_map(
 fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
     let points = map.x.point_count as f64 * map.y.point_count as f64;
     let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
-    let needed = Bytes(PROGRAM_MEMORY + points * (of_point + size_of::<f64>()) as f64);
+    let needed = Bytes(PROGRAM_MEMORY_BYTES + points * (of_point + size_of::<f64>()) as f64);
     let Some(available) = AvailableMemory::find_shortage(needed) else { return Ok(()) };
     let found = format!("found {points} points, memory {needed}, more than {available}");
     Err(case
@@ -148,7 +148,7 @@ pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error
         report_progress(on_progress, index + 1, nx * ny)?;
     }
     match first_error {
-        Some(error) => Err(setup::locate_in_map(case, error)),
+        Some(error) => Err(setup::locate_map_point_error(case, error)),
         None => Ok(()),
     }
 }
@@ -173,7 +173,7 @@ fn assess_points(
     let cache = AcousticTensorCache::default();
     let (done, is_cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
     let first_error = points
-        .par_chunks_mut(POINTS_PER_BLOCK)
+        .par_chunks_mut(POINTS_PER_PROGRESS_REPORT)
         .enumerate()
         .map_init(
             || PointAssessor::new(case, map, options, &cache),
@@ -183,7 +183,7 @@ fn assess_points(
                     return first_error;
                 }
                 for (offset, point) in block.iter_mut().enumerate() {
-                    let index = chunk * POINTS_PER_BLOCK + offset;
+                    let index = chunk * POINTS_PER_PROGRESS_REPORT + offset;
                     let [x, y] = grid_indices(index);
                     match assessor.assess_point(x, y) {
                         Ok(assessed) => *point = assessed,
@@ -211,10 +211,10 @@ fn assess_points(
             points[y * nx + x] = point;
         }
     }
-    // A map may extend beyond the range of the model; a map entirely outside is an error.
+    // A map may extend outside the range of the model; only a map that is entirely outside is an error.
     match first_error {
         Some((_, error)) if points.iter().all(|p| p.status == PointStatus::OutsideModel) => {
-            Err(setup::locate_in_map(case, error))
+            Err(setup::locate_map_point_error(case, error))
         }
         _ => Ok(points),
     }

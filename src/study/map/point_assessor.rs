@@ -18,15 +18,17 @@ use serde::{Serialize, Serializer};
 /// Verdict at one point of a map; absent numbers are NaN, null in JSON.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct MapPoint {
-    /// Verdict, or the reason why there is none.
+    /// Verdict at the point, or the reason why there is none.
     pub status: PointStatus,
-    /// Method of the verdict; `None` without verdict.
+    /// Method by which the verdict was obtained: closed form or linearised equations; `None` without verdict.
     #[serde(serialize_with = "serialize_route")]
     pub route: Option<Route>,
     /// Order of growth in the wave number k if ill-posed, unless growth is unbounded at finite wave numbers.
-    pub order: f64,
-    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; absent without `order`.
-    pub coefficient: f64,
+    #[serde(rename = "order")]
+    pub growth_order: f64,
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; absent without `growth_order`.
+    #[serde(rename = "coefficient")]
+    pub growth_coefficient: f64,
     /// Direction of the wave vector of fastest or unbounded growth, from x₁, degrees, if ill-posed.
     pub direction_deg: f64,
     /// Elevation of the wave vector of fastest growth above the plane of x₁ and x₂, degrees; solids only.
@@ -44,7 +46,7 @@ pub struct MapPoint {
     pub speeds: Option<PointSpeeds>,
 }
 
-/// Characteristic speeds of a solid.
+/// Characteristic speeds of a solid at a map point, over all directions.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct PointSpeeds {
     /// Type of the characteristic speeds over all directions.
@@ -61,10 +63,10 @@ pub struct PointSpeeds {
     pub slowest_normal_deg: [f64; 2],
 }
 
-/// Status of a point; `map.npz` stores its discriminant.
+/// Verdict at a point of a map, or the reason why there is none; `map.npz` stores the discriminant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointStatus {
-    /// Well-posed.
+    /// Well-posed: growth rates are bounded.
     WellPosed = 0,
     /// Ill-posed: growth rates are unbounded.
     IllPosed = 1,
@@ -110,7 +112,7 @@ impl PointStatus {
         Self::NoResponse,
     ];
 
-    /// Returns the name in results.
+    /// Returns the name of the status in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::WellPosed => "well-posed",
@@ -135,8 +137,8 @@ impl MapPoint {
         Self {
             status,
             route: None,
-            order: f64::NAN,
-            coefficient: f64::NAN,
+            growth_order: f64::NAN,
+            growth_coefficient: f64::NAN,
             direction_deg: f64::NAN,
             elevation_deg: f64::NAN,
             growth_bound: f64::NAN,
@@ -146,7 +148,7 @@ impl MapPoint {
         }
     }
 
-    /// Sets the status and the route, and for ill-posed states direction, order and coefficient.
+    /// Sets verdict and route; for ill-posed states also direction, order and coefficient of the growth.
     fn set_verdict(&mut self, verdict: Verdict, route: Route) {
         self.route = Some(route);
         self.status = match verdict {
@@ -154,7 +156,8 @@ impl MapPoint {
             Verdict::IllPosed { growth, direction } => {
                 self.direction_deg = direction.to_degrees();
                 if let Some(growth) = growth {
-                    (self.order, self.coefficient) = (growth.order.to_f64(), growth.coefficient);
+                    (self.growth_order, self.growth_coefficient) =
+                        (growth.order.to_f64(), growth.coefficient);
                 }
                 PointStatus::IllPosed
             }
@@ -177,14 +180,14 @@ pub(super) struct PointAssessor<'a> {
 
 /// Model of a flow whose swept constants change from point to point.
 struct SweptFlow {
-    /// `None` until constants are in range for the first time.
+    /// Model with the last valid constants; `None` until constants are in range for the first time.
     model: Option<Model>,
-    /// Constants in the order of the model's parameters, in SI units and rad.
+    /// Present constants in the order of the parameters of the model, in SI units and rad.
     constants: Vec<f64>,
     /// Whether the constants differ from those of `model`.
-    is_stale: bool,
-    /// For each axis, index and definition of the swept model constant; `None` if the axis sweeps another parameter.
-    /// They are found once per assessor, since the search compares names.
+    has_changed_constants: bool,
+    /// Index and definition of the model constant that each axis sweeps; `None` if the axis sweeps another parameter.
+    /// They are determined once per assessor, since the search compares names.
     swept_constants: [Option<(usize, &'static Parameter)>; 2],
 }
 
@@ -192,7 +195,12 @@ impl SweptFlow {
     fn new(case: &Case, map: &MapAxes) -> Self {
         let constant = |sweep: &ParameterSweep| sweep.parameter.model_constant(case.material.kind);
         let swept_constants = [&map.x, &map.y].map(constant);
-        Self { model: None, constants: case.model_constants(), is_stale: true, swept_constants }
+        Self {
+            model: None,
+            constants: case.model_constants(),
+            has_changed_constants: true,
+            swept_constants,
+        }
     }
 
     /// Sets the swept constant of an axis, given in the unit of case files; returns false if the axis does not sweep a
@@ -201,14 +209,14 @@ impl SweptFlow {
         let Some((index, constant)) = self.swept_constants[axis] else { return false };
         let value = constant.to_si(value);
         let own = &mut self.constants[index];
-        self.is_stale |= own.to_bits() != value.to_bits();
+        self.has_changed_constants |= own.to_bits() != value.to_bits();
         *own = value;
         true
     }
 
     /// Returns the model with the present constants; updates it if they have changed since the last call.
     fn update_model(&mut self, kind: FlowKind) -> Result<&Model, InputError> {
-        let Self { model, constants, is_stale, .. } = self;
+        let Self { model, constants, has_changed_constants: is_stale, .. } = self;
         let model = match model {
             Some(model) => {
                 if *is_stale {
@@ -281,10 +289,13 @@ impl<'a> PointAssessor<'a> {
         }
         point.speeds = Some(PointSpeeds {
             hyperbolicity: assessment.hyperbolicity,
-            max_imaginary_speed: assessment.extremes.flutter.map_or(0.0, |flutter| flutter.growth),
+            max_imaginary_speed: assessment
+                .extremes
+                .flutter
+                .map_or(0.0, |flutter| flutter.max_imaginary_speed),
             min_squared_speed: match assessment.is_stationary() {
                 true => 0.0,
-                false => assessment.extremes.slowest.speed_squared,
+                false => assessment.extremes.slowest.squared_speed,
             },
             slowest_normal_deg: angles_deg(assessment.extremes.slowest.normal),
         });

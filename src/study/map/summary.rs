@@ -1,4 +1,4 @@
-//! Summary of a map.
+//! Result of a map and its summary: counts, intervals, fastest growth.
 
 use super::{MapOptions, MapPoint, PointStatus};
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep};
@@ -11,11 +11,11 @@ use serde::{Serialize, Serializer};
 pub struct MapResult {
     /// Title of the case.
     pub title: String,
-    /// Kind of the model.
+    /// Kind of the model, as named in case files.
     pub model: &'static str,
-    /// Parameter of the horizontal axis.
+    /// Swept parameter of the horizontal axis.
     pub x: MapAxis,
-    /// Parameter of the vertical axis.
+    /// Swept parameter of the vertical axis.
     pub y: MapAxis,
     /// Number of points by the name of their [`PointStatus`], in the order of [`PointStatus::ALL`].
     #[serde(rename = "points", serialize_with = "serialize_as_object")]
@@ -23,19 +23,21 @@ pub struct MapResult {
     /// Number of ill-posed points without order: growth is unbounded at finite wave numbers.
     pub unbounded_at_finite_wave_number: usize,
     /// Fraction of well-posed states among all assessed states; `None` if none was assessed.
-    pub well_posed_share: Option<f64>,
+    #[serde(rename = "well_posed_share")]
+    pub well_posed_fraction: Option<f64>,
     /// Well-posed intervals of x at up to five values of y, from the first to the last.
     pub well_posed_intervals: Vec<WellPosedIntervals>,
-    /// Point of the worst growth: highest order, then largest coefficient; `None` if no point has an order.
+    /// Point of the fastest growth of short waves: highest order, then largest coefficient; `None` if no point has an
+    /// order.
     #[serde(rename = "worst")]
-    pub worst_point: Option<WorstPoint>,
+    pub fastest_growth_point: Option<FastestGrowthPoint>,
     /// Number of verdicts by the name of their [`Route`], in the order of [`Route::ALL`].
     #[serde(rename = "route", serialize_with = "serialize_as_object")]
     pub route_counts: [(&'static str, usize); 2],
     /// Summary of the quantities that only solids have; `None` for flows.
     #[serde(flatten)]
     pub solid: Option<SolidMapSummary>,
-    /// All points, x fastest.
+    /// Results at all points of the map, with x varying fastest.
     #[serde(skip)]
     pub points: Vec<MapPoint>,
     /// Requested options, with growth rates if the map sweeps the wave.
@@ -54,22 +56,23 @@ fn serialize_as_object<S: Serializer>(
 /// Axis of a map: a swept parameter and its values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapAxis {
-    /// Name of the parameter in case files.
+    /// Name of the swept parameter in case files.
     pub parameter: String,
-    /// Unit of the parameter in case files.
+    /// Unit of the swept parameter in case files.
     pub unit: &'static str,
-    /// First value of the parameter.
+    /// First value of the swept parameter.
     #[serde(rename = "from")]
     pub first_value: f64,
-    /// Last value of the parameter.
+    /// Last value of the swept parameter.
     #[serde(rename = "to")]
     pub last_value: f64,
-    /// Number of values of the parameter.
-    pub points: usize,
+    /// Number of values of the swept parameter.
+    #[serde(rename = "points")]
+    pub point_count: usize,
     /// Axis label: quantity and symbol.
     #[serde(skip)]
     pub label: String,
-    /// All values of the parameter.
+    /// All values of the swept parameter.
     #[serde(skip)]
     pub values: Vec<f64>,
 }
@@ -82,7 +85,7 @@ impl From<&ParameterSweep> for MapAxis {
             unit: parameter.unit(),
             first_value,
             last_value,
-            points,
+            point_count: points,
             label: parameter.label(),
             values: (0..points).map(|index| sweep.sweep_value(index)).collect(),
         }
@@ -92,31 +95,33 @@ impl From<&ParameterSweep> for MapAxis {
 /// Well-posed intervals of x at one value of y.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WellPosedIntervals {
-    /// Value of the parameter y.
+    /// Value of the swept parameter on the vertical axis.
     pub y: f64,
     /// First and last value of x of each run of adjacent well-posed points.
     pub x: Vec<[f64; 2]>,
 }
 
-/// Point of a map with the worst growth, and that growth.
+/// Point of a map with the fastest growth of short waves: highest order, then largest coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct WorstPoint {
-    /// Value of the parameter x.
+pub struct FastestGrowthPoint {
+    /// Value of the swept parameter on the horizontal axis.
     pub x: f64,
-    /// Value of the parameter y.
+    /// Value of the swept parameter on the vertical axis.
     pub y: f64,
-    /// Order of growth in k.
-    pub order: f64,
+    /// Order of growth in the wave number k.
+    #[serde(rename = "order")]
+    pub growth_order: f64,
     /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
-    pub coefficient: f64,
+    #[serde(rename = "coefficient")]
+    pub growth_coefficient: f64,
     /// Direction of the wave vector of fastest growth, degrees.
     pub direction_deg: f64,
-    /// Elevation of that wave vector above the plane of x₁ and x₂, degrees; solids only.
+    /// Elevation of the wave vector of fastest growth above the plane of x₁ and x₂, degrees; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
 }
 
-/// Summary of a map of solids.
+/// Part of the summary that only maps of solids have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SolidMapSummary {
     /// Name of the yield set; `None` for elastic solids.
@@ -124,7 +129,8 @@ pub struct SolidMapSummary {
     pub yield_set: Option<&'static str>,
     /// Number of states by the name of their [`Hyperbolicity`], in the order of [`Hyperbolicity::ALL`].
     #[serde(serialize_with = "serialize_as_object")]
-    pub hyperbolicity: [(&'static str, usize); 4],
+    #[serde(rename = "hyperbolicity")]
+    pub hyperbolicity_counts: [(&'static str, usize); 4],
 }
 
 impl MapResult {
@@ -147,16 +153,16 @@ impl MapResult {
             y: MapAxis::from(&map.y),
             status_counts: counts.map(|(status, count)| (status.name(), count)),
             unbounded_at_finite_wave_number: count(&|p| {
-                p.status == PointStatus::IllPosed && p.order.is_nan()
+                p.status == PointStatus::IllPosed && p.growth_order.is_nan()
             }),
-            well_posed_share: (states > 0).then(|| well_posed as f64 / states as f64),
+            well_posed_fraction: (states > 0).then(|| well_posed as f64 / states as f64),
             well_posed_intervals: sample_intervals(map, &points),
-            worst_point: find_worst_point(map, &points, is_solid),
+            fastest_growth_point: find_fastest_growth_point(map, &points, is_solid),
             route_counts: Route::ALL
                 .map(|route| (route.name(), count(&|p| p.route == Some(route)))),
             solid: is_solid.then(|| SolidMapSummary {
                 yield_set: case.material.yield_set.map(|set| set.name),
-                hyperbolicity: Hyperbolicity::ALL.map(|h| {
+                hyperbolicity_counts: Hyperbolicity::ALL.map(|h| {
                     (h.name(), count(&|p| p.speeds.is_some_and(|s| s.hyperbolicity == h)))
                 }),
             }),
@@ -166,20 +172,24 @@ impl MapResult {
     }
 }
 
-fn find_worst_point(map: &MapAxes, points: &[MapPoint], is_solid: bool) -> Option<WorstPoint> {
+fn find_fastest_growth_point(
+    map: &MapAxes,
+    points: &[MapPoint],
+    is_solid: bool,
+) -> Option<FastestGrowthPoint> {
     let mut worst: Option<(usize, &MapPoint)> = None;
     for (index, point) in points.iter().enumerate() {
-        let key = |p: &MapPoint| (p.order, p.coefficient);
-        if point.order.is_finite() && worst.is_none_or(|(_, w)| key(point) > key(w)) {
+        let key = |p: &MapPoint| (p.growth_order, p.growth_coefficient);
+        if point.growth_order.is_finite() && worst.is_none_or(|(_, w)| key(point) > key(w)) {
             worst = Some((index, point));
         }
     }
     let (index, point) = worst?;
-    Some(WorstPoint {
+    Some(FastestGrowthPoint {
         x: map.x.sweep_value(index % map.x.point_count),
         y: map.y.sweep_value(index / map.x.point_count),
-        order: point.order,
-        coefficient: point.coefficient,
+        growth_order: point.growth_order,
+        growth_coefficient: point.growth_coefficient,
         direction_deg: point.direction_deg,
         elevation_deg: is_solid.then_some(point.elevation_deg),
     })

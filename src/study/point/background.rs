@@ -1,18 +1,18 @@
-//! Background and stress of a flow.
+//! Background flow and its stress, as reported by the analysis of a state.
 
 use models::flow::state::{DeformingFlow, PlanarStress};
 use serde::Serialize;
 
-/// Background of a flow, given and derived quantities.
+/// Homogeneous background of a flow: given and derived quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowBackground {
-    /// Density, kg/m³.
+    /// Bulk density, kg/m³.
     pub density: f64,
     /// Shear rate Q_D: magnitude of the deviatoric deformation rate, 1/s.
     pub shear_rate: f64,
     /// Non-coaxiality Δ, degrees.
     pub noncoaxiality_deg: f64,
-    /// Velocity, m/s.
+    /// Velocity components V₁ and V₂, m/s.
     pub velocity: [f64; 2],
     /// Half the vorticity, 1/s.
     pub half_vorticity: f64,
@@ -46,7 +46,7 @@ impl From<&DeformingFlow> for FlowBackground {
     }
 }
 
-/// Stress of a flow.
+/// Plane stress state of the background flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowStress {
     /// Pressure p, Pa.
@@ -57,7 +57,7 @@ pub struct FlowStress {
     pub rotational_stress: f64,
     /// Angle of the greater principal stress from x₁, degrees.
     pub stress_angle_deg: f64,
-    /// Stress tensor, Pa; second index: face normal.
+    /// Stress tensor, Pa; the second index is that of the face normal.
     pub tensor: [[f64; 2]; 2],
 }
 

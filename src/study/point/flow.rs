@@ -8,7 +8,7 @@ use crate::study::{ProgressCallback, report_progress};
 use crate::{Error, setup};
 use analysis::bound;
 use analysis::characteristics;
-use analysis::flows::growth_curves::{self as curves, FittedOrder};
+use analysis::flows::growth_curves::{self, FittedOrder};
 use analysis::flows::{FlowWorkspace, FrozenState};
 use analysis::growth::Assessment;
 use analysis::pencil::PencilRoots;
@@ -17,24 +17,24 @@ use models::flow::Model;
 use models::flow::state::{Background, DeformingFlow};
 use serde::{Serialize, Serializer};
 
-/// Analysis of the state of a flow.
-#[derive(Clone, Debug, Serialize)]
-pub struct FlowPoint {
-    /// Result of the model of the case.
-    #[serde(flatten)]
-    pub analysis: FlowAnalysis,
-    /// Results of the models in `[compare]`.
-    #[serde(rename = "compare", skip_serializing_if = "Vec::is_empty")]
-    pub compared_models: Vec<FlowAnalysis>,
-}
-
-/// Result of one model for the state of a case.
+/// Analysis of the state of a flow, in the model of the case and in the compared models.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowAnalysis {
-    /// Kind of the model.
+    /// Analysis in the model of the case.
+    #[serde(flatten)]
+    pub analysis: FlowModelAnalysis,
+    /// Analyses in the models that `[compare]` names.
+    #[serde(rename = "compare", skip_serializing_if = "Vec::is_empty")]
+    pub compared_models: Vec<FlowModelAnalysis>,
+}
+
+/// Analysis of the state of a case in one model.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlowModelAnalysis {
+    /// Kind of the model in which the state is analysed.
     #[serde(rename = "model", serialize_with = "serialize_kind")]
     pub kind: ModelKind,
-    /// State according to the model, and its analysis.
+    /// State of the flow according to the model, with its analysis if it is fully deforming.
     #[serde(flatten)]
     pub state: FlowState,
     /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
@@ -46,7 +46,7 @@ fn serialize_kind<S: Serializer>(kind: &ModelKind, serializer: S) -> Result<S::O
     serializer.serialize_str(kind.name())
 }
 
-impl FlowAnalysis {
+impl FlowModelAnalysis {
     /// Returns the state if it is fully deforming.
     pub fn yielding_state(&self) -> Option<&YieldingState> {
         match &self.state {
@@ -56,7 +56,7 @@ impl FlowAnalysis {
     }
 }
 
-/// State of a flow and its analysis.
+/// State of a flow according to one model, with its analysis if it is fully deforming.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum FlowState {
@@ -66,26 +66,27 @@ pub enum FlowState {
     NotYielding(NotYieldingState),
 }
 
-/// State that is not fully deforming.
+/// State that is not fully deforming, which has no equations to analyse.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotYieldingState {
     /// Name of the region of the yield conditions in which the state is.
-    pub region: &'static str,
+    #[serde(rename = "region")]
+    pub yield_region: &'static str,
     #[serde(flatten)]
-    absent_analysis: NoAnalysis,
-    /// Wave of the case.
+    absent_analysis: AbsentAnalysis,
+    /// Wave number and direction given in the case.
     pub wave: FlowWave,
-    /// Stress of the state.
+    /// Stress of the state that is not fully deforming.
     pub stress: FlowStress,
     #[serde(rename = "words")]
     description: &'static str,
 }
 
-/// Quantities that only fully deforming states have; null in JSON.
+/// Serialises as `null` all quantities that only fully deforming states have.
 #[derive(Clone, Debug)]
-struct NoAnalysis;
+struct AbsentAnalysis;
 
-impl Serialize for NoAnalysis {
+impl Serialize for AbsentAnalysis {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let keys = [
             "verdict",
@@ -109,8 +110,8 @@ impl Serialize for NoAnalysis {
 impl NotYieldingState {
     fn new(background: &Background, wave: FlowWave) -> Self {
         Self {
-            region: background.region().name(),
-            absent_analysis: NoAnalysis,
+            yield_region: background.region().name(),
+            absent_analysis: AbsentAnalysis,
             wave,
             stress: background.stress().into(),
             description: "the state is not fully deforming: nothing to analyse",
@@ -118,47 +119,47 @@ impl NotYieldingState {
     }
 }
 
-/// Analyses the state of a flow. Progress counts two steps per model: verdict and growth rate curves.
+/// Analyses the state of a flow. Progress counts two steps per model: the verdict, and the growth rate curves.
 ///
 /// # Errors
 /// The case is out of range of its model, or cannot be analysed; [`Error::Cancelled`].
-pub fn analyse_flow(case: &Case, on_progress: ProgressCallback) -> Result<FlowPoint, Error> {
+pub fn analyse_flow(case: &Case, on_progress: ProgressCallback) -> Result<FlowAnalysis, Error> {
     let models = 1 + case.compared_kinds.as_ref().map_or(0, Vec::len);
     let mut done = 0;
-    let mut part_is_done = || {
+    let mut report_model_step = || {
         done += 1;
         report_progress(on_progress, done, 2 * models)
     };
     // The conversion drops keys that only compared models use.
-    let mut case_model = ModelAnalysis::new(&case.convert_to_kind(case.material.kind))?;
-    part_is_done()?;
+    let mut case_model = AnalysisWithWorkspace::new(&case.convert_to_kind(case.material.kind))?;
+    report_model_step()?;
     let noncoaxiality =
         case_model.analysis.yielding_state().map(|state| state.flow.noncoaxiality.to_degrees());
     let mut compared = Vec::new();
     for &kind in case.compared_kinds.iter().flatten() {
         let converted = case.convert_with_noncoaxiality(kind, noncoaxiality);
-        let mut other = ModelAnalysis::new(&converted.case)?;
+        let mut other = AnalysisWithWorkspace::new(&converted.case)?;
         other.analysis.replaced_noncoaxiality_deg = converted.lost_noncoaxiality_deg;
         compared.push(other);
-        part_is_done()?;
+        report_model_step()?;
     }
-    add_curves(case, &mut case_model, &mut compared, &mut part_is_done)?;
-    Ok(FlowPoint {
+    add_growth_curves(case, &mut case_model, &mut compared, &mut report_model_step)?;
+    Ok(FlowAnalysis {
         analysis: case_model.analysis,
         compared_models: compared.into_iter().map(|other| other.analysis).collect(),
     })
 }
 
-/// Result of one model before its growth rates are sampled.
-struct ModelAnalysis {
-    analysis: FlowAnalysis,
+/// Analysis in one model with its workspace, which is needed to sample growth rates.
+struct AnalysisWithWorkspace {
+    analysis: FlowModelAnalysis,
     workspace: FlowWorkspace,
 }
 
-impl ModelAnalysis {
+impl AnalysisWithWorkspace {
     fn new(case: &Case) -> Result<Self, Error> {
         let mut workspace = FlowWorkspace::default();
-        let (model, frozen) = setup::flow::assess(case, &mut workspace)
+        let (model, frozen) = setup::flow::assess_flow_state(case, &mut workspace)
             .map_err(|error| setup::locate_state_error(&case.material, error))?;
         let state = match frozen {
             FrozenState::NotYielding(background) => {
@@ -171,7 +172,7 @@ impl ModelAnalysis {
             }
         };
         let analysis =
-            FlowAnalysis { kind: case.material.kind, state, replaced_noncoaxiality_deg: None };
+            FlowModelAnalysis { kind: case.material.kind, state, replaced_noncoaxiality_deg: None };
         Ok(Self { analysis, workspace })
     }
 
@@ -193,7 +194,7 @@ fn analyse_yielding_state(
 ) -> Result<YieldingState, Error> {
     let wave = &case.material.numbers.wave;
     let pencil = &workspace.pencil;
-    let out_of_reach = |key, found: f64, allowed: &str| {
+    let create_range_error = |key, found: f64, allowed: &str| {
         case.locate_error(InputError {
             input: key,
             rejected_value: format!("{found:?}"),
@@ -203,14 +204,14 @@ fn analyse_yielding_state(
     if !pencil.is_singular() && !workspace.is_in_range(wave.wave_number) {
         let allowed =
             "a wave number that far from the state's own scale leaves the range of doubles";
-        return Err(out_of_reach("wave.number", wave.wave_number, allowed).into());
+        return Err(create_range_error("wave.number", wave.wave_number, allowed).into());
     }
     let roots = pencil.roots(wave.wave_number, degrees_to_radians(wave.direction_deg));
     if let PencilRoots::Regular { finite, .. } = &roots
         && finite.iter().any(|root| !root.is_finite())
     {
         let allowed = "k·V leaves the range of doubles";
-        return Err(out_of_reach("background.velocity", flow.velocity[0], allowed).into());
+        return Err(create_range_error("background.velocity", flow.velocity[0], allowed).into());
     }
     let found = characteristics::characteristics(&workspace.system).ok();
     let supremum = bound::locate_supremum(pencil, &assessment, model.gradient_wave_number(&flow));
@@ -222,18 +223,18 @@ fn analyse_yielding_state(
 
 /// Samples the growth rates of all models with a fully deforming state and a regular pencil, by direction and by wave
 /// number; the curves by wave number of all models have the same wave numbers.
-fn add_curves(
+fn add_growth_curves(
     case: &Case,
-    case_model: &mut ModelAnalysis,
-    compared: &mut [ModelAnalysis],
-    model_is_done: &mut dyn FnMut() -> Result<(), Error>,
+    case_model: &mut AnalysisWithWorkspace,
+    compared: &mut [AnalysisWithWorkspace],
+    report_model_done: &mut dyn FnMut() -> Result<(), Error>,
 ) -> Result<(), Error> {
     let wave = case.material.numbers.wave;
     let direction = degrees_to_radians(wave.direction_deg);
     let decades = std::iter::once(&*case_model)
         .chain(&*compared)
         .filter_map(|a| {
-            Some(curves::decades_to_asymptote(
+            Some(growth_curves::decades_to_asymptote(
                 &a.workspace,
                 a.regular_assessment()?,
                 wave.wave_number,
@@ -242,25 +243,26 @@ fn add_curves(
         .max();
     for a in std::iter::once(case_model).chain(compared) {
         let (Some(decades), Some(assessment)) = (decades, a.regular_assessment()) else {
-            model_is_done()?;
+            report_model_done()?;
             continue;
         };
-        let by_direction = curves::growth_by_direction(&a.workspace, assessment, wave.wave_number);
-        let by_wave_number = curves::growth_by_wave_number(
+        let by_direction =
+            growth_curves::growth_by_direction(&a.workspace, assessment, wave.wave_number);
+        let by_wave_number = growth_curves::growth_by_wave_number(
             &a.workspace,
             assessment,
             wave.wave_number,
             direction,
             decades,
         );
-        let fitted = curves::fit_order(&by_wave_number);
+        let fitted = growth_curves::fit_order(&by_wave_number);
         if let FlowState::Yielding(state) = &mut a.analysis.state {
             state.fitted_order = fitted.map(|FittedOrder { order, .. }| order);
             state.fitted_wave_numbers = fitted.map(|FittedOrder { wave_numbers, .. }| wave_numbers);
             (state.growth_by_direction, state.growth_by_wave_number) =
                 (by_direction, by_wave_number);
         }
-        model_is_done()?;
+        report_model_done()?;
     }
     Ok(())
 }

@@ -15,16 +15,18 @@ use models::flow::state::{DeformingFlow, YieldRegion};
 use num_complex::Complex64;
 use serde::Serialize;
 
-/// Analysis of a fully deforming state in one model.
+/// Analysis of a fully deforming state of a flow in one model.
 #[derive(Clone, Debug, Serialize)]
 pub struct YieldingState {
-    /// Name of the verdict.
+    /// Name of the verdict on the well-posedness of the model in this state.
     pub verdict: &'static str,
     /// Order of growth in the wave number k as k → ∞; `None` unless ill-posed, or if growth is unbounded at finite wave
     /// numbers.
-    pub order: Option<f64>,
-    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; `None` without `order`.
-    pub coefficient: Option<f64>,
+    #[serde(rename = "order")]
+    pub growth_order: Option<f64>,
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; `None` without `growth_order`.
+    #[serde(rename = "coefficient")]
+    pub growth_coefficient: Option<f64>,
     /// Direction of the wave vector of fastest or unbounded growth, from x₁, degrees; `None` unless ill-posed.
     pub direction_deg: Option<f64>,
     /// Order of growth in k, fitted to the largest growth rate over all directions at the largest sampled wave numbers;
@@ -32,26 +34,29 @@ pub struct YieldingState {
     pub fitted_order: Option<f64>,
     /// Smallest and largest wave number of the fit, 1/m; `None` without `fitted_order`.
     pub fitted_wave_numbers: Option<[f64; 2]>,
-    /// Supremum of Re ς over all directions and wave numbers k ≥ `gradient_wave_number`, 1/s; `None` unless well-posed,
-    /// or if this wave number exceeds the range of the search.
+    /// Supremum of the growth rate Re ς over all directions and wave numbers k ≥ `gradient_wave_number`, 1/s; `None`
+    /// unless well-posed, or if this wave number exceeds the range of the search.
     #[serde(rename = "bound")]
     pub growth_bound: Option<f64>,
-    /// Wave vector at which the supremum is attained or approached.
+    /// Wave vector at which the supremum `growth_bound` is attained or approached; `None` without supremum.
     #[serde(rename = "bound_at")]
-    pub supremum_place: Option<SupremumPlace>,
+    pub supremum_location: Option<SupremumLocation>,
     /// Relative tolerance of `growth_bound`; `None` without it.
     pub bound_tolerance: Option<f64>,
     /// Closed-form bound of the model on the non-coaxiality |Δ|, degrees, below which the leading growth rate is not
     /// positive in any direction.
     pub noncoaxiality_bound_deg: Option<f64>,
     /// Name of the region of the yield conditions in which the state is.
-    pub region: &'static str,
-    /// Internal power, W/m³.
-    pub power: f64,
-    /// Wave of the case.
+    #[serde(rename = "region")]
+    pub yield_region: &'static str,
+    /// Internal power of the stress, W/m³.
+    #[serde(rename = "power")]
+    pub internal_power: f64,
+    /// Wave number and direction given in the case.
     pub wave: FlowWave,
     /// Finite dispersion roots at `wave`, Re ς and Im ς, 1/s; `None` if every ς is a root.
-    pub roots: Option<Vec<[f64; 2]>>,
+    #[serde(rename = "roots")]
+    pub dispersion_roots: Option<Vec<[f64; 2]>>,
     /// Number of infinite dispersion roots, which are due to algebraic equations; `None` if every ς is a root.
     #[serde(rename = "infinite_roots")]
     pub infinite_root_count: Option<usize>,
@@ -64,36 +69,36 @@ pub struct YieldingState {
     pub arbitrary_characteristics: Option<Vec<String>>,
     /// Type of the steady equations: hyperbolic, mixed or elliptic; `None` without characteristics.
     pub steady_type: Option<&'static str>,
-    /// Evidence of the verdict.
+    /// Evidence on which the verdict is based.
     pub evidence: Evidence,
-    /// Background, given and derived quantities.
+    /// Background flow: given and derived quantities.
     pub background: FlowBackground,
-    /// Stress of the state.
+    /// Stress of the fully deforming state.
     pub stress: FlowStress,
     /// Wave number of the background gradients, 1/m. The frozen-coefficient analysis is valid for wave numbers much
     /// larger than this.
     pub gradient_wave_number: f64,
-    /// Background with rounding bounds.
+    /// Background flow, whose quantities have rounding bounds.
     #[serde(skip)]
     pub flow: DeformingFlow,
-    /// Verdict with rounding bounds.
+    /// Verdict with its evidence and the rounding bounds of its quantities.
     #[serde(skip)]
     pub assessment: Assessment,
-    /// Rank of the equations if every ς is a root; `None` otherwise.
+    /// Rank of the linearised equations if every ς is a root; `None` otherwise.
     #[serde(skip)]
-    pub rank: Option<usize>,
+    pub equation_rank: Option<usize>,
     /// Largest Re ς of all roots at the wave number of the case by direction: degrees, 1/s; empty if every ς is a
     /// root.
     #[serde(skip)]
     pub growth_by_direction: Vec<[f64; 2]>,
-    /// Growth rates of waves against the wave number, in the direction of the case and as the maximum over all
+    /// Growth rates, 1/s, against the wave number, 1/m: in the direction of the case, and the maximum over all
     /// directions.
     #[serde(skip)]
     pub growth_by_wave_number: Vec<GrowthPoint>,
 }
 
 impl YieldingState {
-    /// Creates the state from model, background and verdict.
+    /// Creates the analysis from model, background flow and verdict, without roots, characteristics and supremum.
     pub(super) fn new(
         wave: FlowWave,
         model: &Model,
@@ -107,19 +112,19 @@ impl YieldingState {
         };
         Self {
             verdict: assessment.verdict.name(),
-            order,
-            coefficient,
+            growth_order: order,
+            growth_coefficient: coefficient,
             direction_deg,
             fitted_order: None,
             fitted_wave_numbers: None,
             growth_bound: None,
-            supremum_place: None,
+            supremum_location: None,
             bound_tolerance: None,
             noncoaxiality_bound_deg: model.noncoaxiality_bound().map(f64::to_degrees),
-            region: YieldRegion::FullyDeforming.name(),
-            power: flow.internal_power,
+            yield_region: YieldRegion::FullyDeforming.name(),
+            internal_power: flow.internal_power,
             wave,
-            roots: None,
+            dispersion_roots: None,
             infinite_root_count: None,
             characteristics: None,
             complex_characteristics: None,
@@ -131,7 +136,7 @@ impl YieldingState {
             gradient_wave_number: model.gradient_wave_number(&flow),
             flow,
             assessment,
-            rank: None,
+            equation_rank: None,
             growth_by_direction: Vec::new(),
             growth_by_wave_number: Vec::new(),
         }
@@ -141,11 +146,11 @@ impl YieldingState {
     pub(super) fn with_roots(self, roots: &PencilRoots) -> Self {
         match roots {
             PencilRoots::Regular { finite, infinite } => Self {
-                roots: Some(finite.iter().map(to_pair).collect()),
+                dispersion_roots: Some(finite.iter().map(to_pair).collect()),
                 infinite_root_count: Some(*infinite),
                 ..self
             },
-            PencilRoots::Singular { rank } => Self { rank: Some(*rank), ..self },
+            PencilRoots::Singular { rank } => Self { equation_rank: Some(*rank), ..self },
         }
     }
 
@@ -172,11 +177,11 @@ impl YieldingState {
         }
     }
 
-    /// Adds the supremum of the growth rate.
+    /// Adds the supremum of the growth rate of all waves.
     pub(super) fn with_supremum(self, supremum: Option<Supremum>) -> Self {
         Self {
             growth_bound: supremum.map(|supremum| supremum.growth_rate),
-            supremum_place: supremum.map(SupremumPlace::from),
+            supremum_location: supremum.map(SupremumLocation::from),
             bound_tolerance: supremum.map(|_| bound::SUPREMUM_TOLERANCE),
             ..self
         }
@@ -197,7 +202,7 @@ fn equation_type_name(kind: EquationType) -> &'static str {
 
 /// Wave vector at which the supremum of the growth rate is attained or approached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SupremumPlace {
+pub struct SupremumLocation {
     /// Wave number at which the supremum is attained, 1/m; `None` if it is only approached.
     #[serde(rename = "number")]
     pub wave_number: Option<f64>,
@@ -218,7 +223,7 @@ pub enum WaveLimit {
     ShortWaves,
 }
 
-impl From<Supremum> for SupremumPlace {
+impl From<Supremum> for SupremumLocation {
     fn from(supremum: Supremum) -> Self {
         let (number, limit) = match supremum.wave_number {
             SupremumWaveNumber::Attained(number) => (Some(number), None),
@@ -229,7 +234,7 @@ impl From<Supremum> for SupremumPlace {
     }
 }
 
-/// Real characteristic direction.
+/// Real characteristic direction of the steady equations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CharacteristicDirection {
     /// Angle of the characteristic curve from x₁, degrees, in \[0, 180).
@@ -247,7 +252,7 @@ impl From<characteristics::RealCharacteristic> for CharacteristicDirection {
     }
 }
 
-/// Complex characteristic direction.
+/// Complex characteristic direction of the steady equations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComplexCharacteristic {
     /// Tangent of the complex angle: real and imaginary part.
@@ -256,26 +261,27 @@ pub struct ComplexCharacteristic {
     pub family: String,
 }
 
-/// Evidence of a verdict.
+/// Evidence on which the verdict on a flow is based.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evidence {
-    /// Description of the evidence.
+    /// Description of the evidence as text.
     #[serde(rename = "words")]
     pub description: String,
     /// Numbers of unbounded dispersion roots in a general direction by their order in k, highest order first.
     pub orders: Vec<OrderCount>,
     /// Directions of the wave vector in which a leading coefficient vanishes, degrees.
     pub degenerate_directions_deg: Vec<f64>,
-    /// Method of the verdict.
+    /// Method by which the verdict was obtained: closed form or linearised equations.
     pub route: &'static str,
 }
 
-/// Number of dispersion roots that grow or decay with an order of k.
+/// Number of dispersion roots that grow or decay with the same order of the wave number k.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OrderCount {
-    /// Order of growth or decay in k.
-    pub order: f64,
-    /// Number of roots.
+    /// Order of growth or decay in the wave number k.
+    #[serde(rename = "order")]
+    pub growth_order: f64,
+    /// Number of dispersion roots of this order.
     #[serde(rename = "roots")]
     pub root_count: usize,
 }
@@ -287,7 +293,10 @@ impl From<&Assessment> for Evidence {
         Self {
             description: describe_evidence(&assessment.verdict),
             orders: orders
-                .map(|&(order, roots)| OrderCount { order: order.to_f64(), root_count: roots })
+                .map(|&(order, roots)| OrderCount {
+                    growth_order: order.to_f64(),
+                    root_count: roots,
+                })
                 .collect(),
             degenerate_directions_deg: degenerate.map(|d| d.angle.to_degrees()).collect(),
             route: FLOW_ROUTE,

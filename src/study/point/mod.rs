@@ -1,13 +1,13 @@
-//! Analysis of one state: background, characteristics, roots, growth, verdict.
+//! Analysis of one state of a flow or solid: background, characteristics, dispersion roots, growth, verdict.
 
 pub mod background;
 pub mod flow;
 pub mod flow_state;
 pub mod solid;
 
-pub use flow::{FlowAnalysis, FlowPoint, FlowState};
+pub use flow::{FlowAnalysis, FlowModelAnalysis, FlowState};
 pub use flow_state::YieldingState;
-pub use solid::SolidPoint;
+pub use solid::SolidAnalysis;
 
 use super::ProgressCallback;
 use crate::Error;
@@ -15,14 +15,14 @@ use crate::case::{Case, ModelKind};
 use analysis::growth::Verdict;
 use serde::Serialize;
 
-/// Analysis of the state of a case.
+/// Analysis of the state given by a case.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum PointResult {
-    /// Analysis of a flow.
-    Flow(FlowPoint),
-    /// Analysis of a solid.
-    Solid(Box<SolidPoint>),
+    /// Analysis of the state of a flow.
+    Flow(FlowAnalysis),
+    /// Analysis of the state of a solid.
+    Solid(Box<SolidAnalysis>),
 }
 
 impl PointResult {
@@ -70,8 +70,8 @@ impl PointResult {
 ///
 /// let PointResult::Flow(flow) = &found else { unreachable!("double shearing is a flow") };
 /// let state = flow.analysis.yielding_state().expect("a fully deforming state");
-/// assert_eq!(state.order, Some(1.0));
-/// println!("Re ς ≈ {:?} k at {:?}°", state.coefficient, state.direction_deg);
+/// assert_eq!(state.growth_order, Some(1.0));
+/// println!("Re ς ≈ {:?} k at {:?}°", state.growth_coefficient, state.direction_deg);
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 pub fn analyse_point(case: &Case, on_progress: ProgressCallback) -> Result<PointResult, Error> {

@@ -1,5 +1,5 @@
-//! Cost of a run besides memory: time, files and bytes, estimated to within a factor of a few, and limits above which
-//! it is refused.
+//! Estimated cost of a run in time, files and bytes, correct to within a factor of a few, and the limits above which a
+//! run is refused.
 
 use super::Bytes;
 use crate::Error;
@@ -15,12 +15,12 @@ const STEP_OVERHEAD: f64 = 5e-6;
 /// Throughput of the flow solver per thread: evaluations of the right-hand side at a point, pressure iterations
 /// included, 1/s.
 const POINT_EVALUATION_RATE: f64 = 7e5;
-/// Estimated bytes of a number in a table.
+/// Estimated size of a number in a table, bytes.
 const BYTES_PER_TABLE_NUMBER: f64 = 20.0;
 
 /// Limit of single-thread time, s: thirty days.
-const MAX_TIME: f64 = 30.0 * 86400.0;
-/// Limit of the number of steps.
+const MAX_SINGLE_THREAD_TIME: f64 = 30.0 * 86400.0;
+/// Limit of the number of time steps.
 const MAX_STEPS: f64 = 1e10;
 /// Limit of the number of snapshots.
 const MAX_SNAPSHOTS: f64 = 1e5;
@@ -30,15 +30,15 @@ const MAX_BYTES: f64 = 1e12;
 /// Estimated cost of a run; for a flow a lower bound, since steps may be shorter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
-    /// Number of steps.
-    pub steps: f64,
-    /// Estimated time of a single thread, s.
-    pub time: f64,
+    /// Number of time steps of the run.
+    pub step_count: f64,
+    /// Estimated computing time of a single thread, s.
+    pub single_thread_time: f64,
     /// Number of snapshot files.
-    pub snapshots: f64,
-    /// Bytes of all snapshots.
+    pub snapshot_count: f64,
+    /// Total size of all snapshots.
     pub snapshot_bytes: Bytes,
-    /// Bytes of the tables.
+    /// Total size of all tables.
     pub table_bytes: Bytes,
 }
 
@@ -47,52 +47,56 @@ pub struct Cost {
 pub struct CostExcess {
     /// Key of the case that determines the amount, such as `time.duration`.
     pub key: &'static str,
-    /// Estimated amount.
-    pub found: CostAmount,
-    /// Largest amount that is not refused.
-    pub allowed: CostAmount,
+    /// Estimated amount of this run.
+    pub estimated_amount: CostAmount,
+    /// Limit above which a run is refused.
+    pub largest_amount: CostAmount,
 }
 
 /// Amount of one kind of cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CostAmount {
-    /// Number of steps.
+    /// Number of time steps.
     Steps(f64),
-    /// Single-thread time, s.
+    /// Computing time of a single thread, s.
     Time(f64),
     /// Number of snapshot files.
     Snapshots(f64),
-    /// Bytes of all snapshots.
+    /// Total size of all snapshots, bytes.
     SnapshotBytes(Bytes),
-    /// Bytes of tables.
+    /// Total size of all tables, bytes.
     TableBytes(Bytes),
 }
 
-/// Amount of output that a run writes to files.
+/// Amount of output that a run writes to its files.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OutputVolume {
     /// Number of snapshot files.
-    pub(super) snapshots: f64,
-    /// Numbers stored per snapshot.
+    pub(super) snapshot_count: f64,
+    /// Number of values stored per snapshot.
     pub(super) numbers_per_snapshot: f64,
-    /// Numbers in all tables.
-    pub(super) table_numbers: f64,
+    /// Number of values in all tables.
+    pub(super) numbers_in_tables: f64,
 }
 
 impl Cost {
     fn new(steps: f64, time: f64, written: OutputVolume) -> Self {
-        let OutputVolume { snapshots, numbers_per_snapshot, table_numbers } = written;
+        let OutputVolume {
+            snapshot_count: snapshots,
+            numbers_per_snapshot,
+            numbers_in_tables: table_numbers,
+        } = written;
         Self {
-            steps,
-            time,
-            snapshots,
+            step_count: steps,
+            single_thread_time: time,
+            snapshot_count: snapshots,
             snapshot_bytes: Bytes(snapshots * numbers_per_snapshot * size_of::<f64>() as f64),
             table_bytes: Bytes(table_numbers * BYTES_PER_TABLE_NUMBER),
         }
     }
 
-    /// Estimates the cost of `steps` steps of a solid with `numbers` field values in all cells; `is_full` stands for a
-    /// ledger with numerical dissipation.
+    /// Estimates the cost of `steps` time steps of a solid with `numbers` field values in all cells; `is_full` states
+    /// whether the ledger includes numerical dissipation.
     pub(super) fn estimate_solid_cost(
         steps: f64,
         numbers: f64,
@@ -124,31 +128,38 @@ impl Cost {
         &self,
         located: impl FnOnce(&str, String, String) -> CaseError,
     ) -> Result<(), Error> {
-        self.find_excess().map_or(Ok(()), |CostExcess { key, found, allowed }| {
-            let allowed = format!("at most {allowed}; --force runs it all the same");
-            Err(located(key, format!("found {found}"), allowed).into())
-        })
+        self.find_excess().map_or(
+            Ok(()),
+            |CostExcess { key, estimated_amount: found, largest_amount: allowed }| {
+                let allowed = format!("at most {allowed}; --force runs it all the same");
+                Err(located(key, format!("found {found}"), allowed).into())
+            },
+        )
     }
 
     /// Returns the first amount of the cost that exceeds its limit; `None` if none does.
     pub fn find_excess(&self) -> Option<CostExcess> {
         use CostAmount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
         let all = [
-            ("time.duration", Steps(self.steps), Steps(MAX_STEPS)),
-            ("output.snapshot_interval", Snapshots(self.snapshots), Snapshots(MAX_SNAPSHOTS)),
+            ("time.duration", Steps(self.step_count), Steps(MAX_STEPS)),
+            ("output.snapshot_interval", Snapshots(self.snapshot_count), Snapshots(MAX_SNAPSHOTS)),
             (
                 "output.snapshot_interval",
                 SnapshotBytes(self.snapshot_bytes),
                 SnapshotBytes(Bytes(MAX_BYTES)),
             ),
             ("output.ledger_interval", TableBytes(self.table_bytes), TableBytes(Bytes(MAX_BYTES))),
-            ("time.duration", Time(self.time), Time(MAX_TIME)),
+            ("time.duration", Time(self.single_thread_time), Time(MAX_SINGLE_THREAD_TIME)),
         ];
-        let excess =
-            |(key, found, allowed): (_, CostAmount, CostAmount)| CostExcess { key, found, allowed };
+        let excess = |(key, found, allowed): (_, CostAmount, CostAmount)| CostExcess {
+            key,
+            estimated_amount: found,
+            largest_amount: allowed,
+        };
         // NaN counts as above the limit.
         let is_too_much = |own: &CostExcess| {
-            own.found.value().is_nan() || own.found.value() > own.allowed.value()
+            own.estimated_amount.value().is_nan()
+                || own.estimated_amount.value() > own.largest_amount.value()
         };
         all.into_iter().map(excess).find(is_too_much)
     }

@@ -6,14 +6,14 @@ use super::observer::{
     run_with_recorder,
 };
 use super::plan::snapshot_count;
-use super::record::energy_unit;
+use super::recorder::energy_unit;
 use super::{
     Bytes, Cost, FieldQuantity, FinalLedger, IllPosedness, OutputFields, ProblemSize, Recorder,
     RunReceiver, RunResult, SimulationJob, SimulationPlan, SimulationWarning, StepStatistics,
     StopCause, StopReport, TableHeader, TableKind,
 };
 use crate::case::Case;
-use crate::case::flow::{FlowQuantity as CaseQuantity, FlowRun};
+use crate::case::flow::{FlowQuantity, FlowRun};
 use crate::setup::flow_run;
 use crate::{Error, setup};
 use analysis::StateError;
@@ -22,8 +22,8 @@ use analysis::growth::Verdict;
 use dynamics::flow::{FlowEnergy, FlowProblem, LeftDomain};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
 
-/// Upper bound of the numbers of type `f64` stored per point: 24, measured for 1024² points, plus those of a checkpoint
-/// and a snapshot.
+/// Upper bound of the number of `f64` values stored per grid point: 24, measured for 1024² points, plus those of a
+/// checkpoint and a snapshot.
 const NUMBERS_PER_POINT: f64 = 40.0;
 
 /// Default number of intervals between ledger rows.
@@ -32,23 +32,23 @@ const DEFAULT_LEDGER_ROWS: f64 = 200.0;
 /// Number of wave directions over 180° in the estimate of the largest rate.
 const DIRECTION_COUNT: usize = 36;
 
-/// Largest stable product of the time step, s, and a decay rate, 1/s, with the maximum of 2000 stages per step.
+/// Largest stable product of the time step, s, and a decay rate, 1/s, for the maximum of 2000 stages per step.
 const MAX_STEP_RATE_PRODUCT: f64 = 2.4e6;
 
-/// Simulation of a flow with its solver problem.
+/// Simulation of a flow, with its case and its solver problem.
 pub(super) struct FlowJob<'a> {
     case: &'a Case,
-    run: &'a FlowRun,
+    flow_run: &'a FlowRun,
     problem: FlowProblem,
     /// Quantities in the output fields of the flow.
-    quantities: Vec<CaseQuantity>,
+    quantities: Vec<FlowQuantity>,
 }
 
 impl<'a> FlowJob<'a> {
     pub(super) fn new(case: &'a Case, run: &'a FlowRun) -> Result<Self, Error> {
-        let problem = flow_run::create_problem(case, run)?;
-        let quantities = CaseQuantity::all_fields(run.rotation);
-        Ok(Self { case, run, problem, quantities })
+        let problem = flow_run::create_run_problem(case, run)?;
+        let quantities = FlowQuantity::all_fields(run.rotation);
+        Ok(Self { case, flow_run: run, problem, quantities })
     }
 
     /// Returns the largest |ς|, 1/s, of waves with the largest wave number of the grid along an axis in the uniform
@@ -70,10 +70,10 @@ impl<'a> FlowJob<'a> {
     /// fast decay of short waves would require too many stages; each snapshot and each further ledger row costs one
     /// more step.
     fn estimate_cost(&self) -> Cost {
-        let FlowRun { grid, output, time, receivers, .. } = self.run;
-        let looks = |interval: f64| snapshot_count(interval, time.duration);
-        let snapshots = looks(output.snapshot_interval);
-        let lines = looks(output.ledger_interval).max(DEFAULT_LEDGER_ROWS);
+        let FlowRun { grid, output, time, receivers, .. } = self.flow_run;
+        let output_count = |interval: f64| snapshot_count(interval, time.duration);
+        let snapshots = output_count(output.snapshot_interval);
+        let lines = output_count(output.ledger_interval).max(DEFAULT_LEDGER_ROWS);
         let product = time.duration * self.max_rate().unwrap_or(0.0);
         let steps = DEFAULT_LEDGER_ROWS.max(product / MAX_STEP_RATE_PRODUCT);
         let stages = (1.5 * product / steps).sqrt().max(2.0);
@@ -81,16 +81,17 @@ impl<'a> FlowJob<'a> {
         let columns: usize = receivers.iter().map(|own| own.fields.len()).sum();
         let [first, second] = grid.max_mode_numbers();
         let written = OutputVolume {
-            snapshots,
+            snapshot_count: snapshots,
             numbers_per_snapshot: grid.point_count() as f64 * self.quantities.len() as f64,
-            table_numbers: lines * (8 + first.max(second)) as f64 + steps * (1 + columns) as f64,
+            numbers_in_tables: lines * (8 + first.max(second)) as f64
+                + steps * (1 + columns) as f64,
         };
         Cost::estimate_flow_cost([steps, looked * stages], grid.point_count() as f64, written)
     }
 
     /// Returns the smallest and the largest initial wave number of the grid's modes along an axis, 1/m.
     fn wave_number_range(&self) -> [f64; 2] {
-        let grid = &self.run.grid;
+        let grid = &self.flow_run.grid;
         let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
         let modes = grid.max_mode_numbers();
         let greatest = [0, 1].map(|axis| modes[axis] as f64 * least[axis]);
@@ -100,10 +101,10 @@ impl<'a> FlowJob<'a> {
 
 impl SimulationJob for FlowJob<'_> {
     fn plan(&self, keeps_snapshots: bool) -> Result<SimulationPlan, Error> {
-        let run = self.run;
+        let run = self.flow_run;
         let work = ProblemSize::Flow {
-            points: run.grid.points,
-            model: self.case.material.kind.title(),
+            point_counts: run.grid.points,
+            model_title: self.case.material.kind.title(),
             duration: run.time.duration,
             wave_numbers: self.wave_number_range(),
         };
@@ -111,20 +112,24 @@ impl SimulationJob for FlowJob<'_> {
         let kept = if keeps_snapshots { snapshots * self.quantities.len() as f64 } else { 0.0 };
         let needed =
             (NUMBERS_PER_POINT + kept) * size_of::<f64>() as f64 * run.grid.point_count() as f64;
-        let plan = SimulationPlan { size: work, memory: Bytes(needed), cost: self.estimate_cost() };
-        plan.check_memory(|found| run.error_at("grid.cells", found, "ask for fewer points"))
+        let plan = SimulationPlan {
+            problem_size: work,
+            required_memory: Bytes(needed),
+            cost: self.estimate_cost(),
+        };
+        plan.check_memory(|found| run.key_error("grid.cells", found, "ask for fewer points"))
     }
 
     fn refuse_excess(&self, plan: &SimulationPlan) -> Result<(), Error> {
-        plan.cost.refuse_excess(|key, found, allowed| self.run.error_at(key, found, allowed))
+        plan.cost.refuse_excess(|key, found, allowed| self.flow_run.key_error(key, found, allowed))
     }
 
     fn check_case(&self) -> Result<(), Error> {
-        flow_run::assemble_perturbation(self.run, &self.problem)?;
+        flow_run::assemble_perturbation(self.flow_run, &self.problem)?;
         Ok(())
     }
 
-    fn warnings(&self) -> Result<Vec<SimulationWarning>, Error> {
+    fn find_warnings(&self) -> Result<Vec<SimulationWarning>, Error> {
         Ok(Vec::new())
     }
 
@@ -144,20 +149,22 @@ impl SimulationJob for FlowJob<'_> {
     }
 
     fn execute(&self, recorder: &mut dyn Recorder) -> Result<RunResult, Error> {
-        let (case, duration) = (self.run, self.run.time.duration);
+        let (case, duration) = (self.flow_run, self.flow_run.time.duration);
         let probes =
             case.receivers.iter().map(|own| case.grid.nearest_point(&own.position)).collect();
         let mut simulation = FlowSimulation::new(&self.problem, duration, probes)
-            .map_err(|error| case.error_at("grid", error.to_string(), "see docs/case-file.md"))?;
+            .map_err(|error| case.key_error("grid", error.to_string(), "see docs/case-file.md"))?;
         // Creates the error that the initial perturbation itself leaves the domain of the solver.
-        let too_much = |left: LeftDomain| {
+        let create_domain_exit_error = |left: LeftDomain| {
             let allowed = "a smaller perturbation, which leaves the flow deforming";
-            case.error_at("initial", StopCause::from(&left).to_string(), allowed)
+            case.key_error("initial", StopCause::from(&left).to_string(), allowed)
         };
         if !recorder.is_resumed() {
             let fields = flow_run::assemble_perturbation(case, &self.problem)?;
             let [v1, v2] = &fields.velocity;
-            simulation.perturb([v1, v2], &fields.internal_variable).map_err(too_much)?;
+            simulation
+                .perturb([v1, v2], &fields.internal_variable)
+                .map_err(create_domain_exit_error)?;
         }
         let lines = match case.output.ledger_interval {
             0.0 => duration / DEFAULT_LEDGER_ROWS,
@@ -171,7 +178,7 @@ impl SimulationJob for FlowJob<'_> {
 
 impl FlowJob<'_> {
     fn create_result(&self, found: SimulationOutput<FlowAccount>) -> RunResult {
-        let grid = &self.run.grid;
+        let grid = &self.flow_run.grid;
         let energy = found.final_account.energy;
         let terms = vec![
             ("kinetic", energy.kinetic),
@@ -181,7 +188,7 @@ impl FlowJob<'_> {
             ("balance", found.final_account.balance()),
             ("power", energy.internal_power),
         ];
-        let receiver = |own: &crate::case::dynamics::ReceiverPoint<CaseQuantity>| {
+        let receiver = |own: &crate::case::dynamics::ReceiverPoint<FlowQuantity>| {
             let point = grid.nearest_point(&own.position);
             let index = [point % grid.points[0], point / grid.points[0]];
             RunReceiver {
@@ -198,19 +205,19 @@ impl FlowJob<'_> {
         RunResult {
             title: self.case.title.clone(),
             model: Some(self.case.material.kind.name()),
-            cells: grid.points.to_vec(),
+            cell_counts: grid.points.to_vec(),
             box_lengths: Some(grid.lengths),
-            steps: found.steps,
+            step_count: found.step_count,
             time_step: None,
-            time: found.time,
+            final_time: found.final_time,
             precision: None,
-            order: None,
+            reconstruction: None,
             velocity_gradient: Some(self.problem.velocity_gradient),
-            deformation: found.fields.deformation,
+            deformation_gradient: found.fields.deformation_gradient,
             fields: found.fields,
-            ledger: FinalLedger { unit: energy_unit(self.case), terms },
-            joints: None,
-            receivers: self.run.receivers.iter().map(receiver).collect(),
+            final_ledger: FinalLedger { unit: energy_unit(self.case), terms },
+            joint_summary: None,
+            receivers: self.flow_run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,
             records: found.records,
         }
@@ -220,7 +227,7 @@ impl FlowJob<'_> {
 impl OutputConverter<FlowSimulation> for FlowJob<'_> {
     fn receiver_table(&self) -> Option<(TableHeader, Vec<usize>)> {
         let names: Vec<&str> = self.quantities.iter().map(|own| own.name()).collect();
-        create_receiver_table(self.case, &self.run.receivers, &names)
+        create_receiver_table(self.case, &self.flow_run.receivers, &names)
     }
 
     fn to_display_unit(&self, index: usize, value: f64) -> f64 {
@@ -230,7 +237,7 @@ impl OutputConverter<FlowSimulation> for FlowJob<'_> {
     fn account_tables(&self) -> Vec<TableHeader> {
         let header = ["time", "kinetic", "background", "stress", "balance", "power"];
         let ledger = header.map(str::to_owned).to_vec();
-        let [most, across] = self.run.grid.max_mode_numbers();
+        let [most, across] = self.flow_run.grid.max_mode_numbers();
         let shells = (1..=most.max(across)).map(|shell| shell.to_string());
         let spectrum = ["time".to_owned()].into_iter().chain(shells).collect();
         let head = |kind, columns| TableHeader::new(self.case, kind, columns);
@@ -255,20 +262,20 @@ impl OutputConverter<FlowSimulation> for FlowJob<'_> {
         fields: FlowFields,
         time: f64,
     ) -> OutputFields {
-        let grid = &self.run.grid;
+        let grid = &self.flow_run.grid;
         let points =
             |axis| (0..grid.points[axis]).map(|i| grid.point_coordinate(axis, i)).collect();
         let named = self.quantities.iter().zip(fields.values);
         OutputFields {
             time,
             coordinates: (0..2).map(points).collect(),
-            deformation: Some(fields.deformation_gradient),
+            deformation_gradient: Some(fields.deformation_gradient),
             quantities: named
                 .map(|(own, values)| FieldQuantity::new(own.array_name().to_owned(), values))
                 .collect(),
-            dissipation: Vec::new(),
-            regions: Vec::new(),
-            joints: Vec::new(),
+            plastic_dissipation: Vec::new(),
+            region_indices: Vec::new(),
+            joint_faces: Vec::new(),
         }
     }
 
@@ -277,14 +284,14 @@ impl OutputConverter<FlowSimulation> for FlowJob<'_> {
         let [evaluations, iterations] = flow.evaluation_counts();
         StepStatistics::Flow {
             energy: last.energy.kinetic,
-            stages: flow.stage_count(),
-            evaluations,
-            iterations,
-            threads: rayon::current_num_threads(),
+            stage_count: flow.stage_count(),
+            evaluation_count: evaluations,
+            iteration_count: iterations,
+            thread_count: rayon::current_num_threads(),
         }
     }
 
     fn stop_report(&self, left: &LeftDomain, saved: f64) -> StopReport {
-        StopReport { cause: left.into(), time: left.time, last_valid_time: saved }
+        StopReport { cause: left.into(), detection_time: left.time, last_valid_time: saved }
     }
 }

@@ -23,23 +23,24 @@ pub const JOINT_QUANTITIES: [JointQuantity; 9] = [
     ("fluid_velocity", "m/s", |own| own.fluid_velocity),
 ];
 
-/// Time of an event, s: not-a-number if it has not happened.
+/// Returns the time of an event, s; not-a-number if it has not happened (time 0).
 fn event_time(time: f64) -> f64 {
     if time > 0.0 { time } else { f64::NAN }
 }
 
-/// Face of a joint between two cells, with its state.
+/// State of one face of a joint, i.e. of the interface between two adjacent cells of different blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFace {
-    /// Centre of the face, m.
+    /// Coordinates of the centre of the face, m.
     pub position: [f64; 2],
-    /// Axis normal to the face, from 0.
+    /// Index of the axis normal to the face, counted from 0.
     pub axis: usize,
-    /// Length of the face, m.
+    /// Length of the face in the plane, m.
     pub length: f64,
     /// Index of the section `[[joint]]` of the case.
-    pub joint: usize,
-    /// State; quantities that the law of the joint does not have, and times of events that have not happened, are zero.
+    pub joint_index: usize,
+    /// State of the face; quantities that the law of the joint does not have, and times of events that have not
+    /// happened, are zero.
     pub record: FaceRecord<f64>,
 }
 
@@ -50,10 +51,10 @@ impl JointFace {
         let cell = [cell % grid.cells[0], cell / grid.cells[0]];
         let mut position = [0, 1].map(|along| grid.cell_centre(along, cell[along]));
         position[axis] = grid.origin[axis] + cell[axis] as f64 * grid.spacing[axis];
-        Self { position, axis, length: grid.spacing[1 - axis], joint: law, record }
+        Self { position, axis, length: grid.spacing[1 - axis], joint_index: law, record }
     }
 
-    /// Returns both ends of the face, m.
+    /// Returns the coordinates of both ends of the face, m.
     pub fn ends(&self) -> [[f64; 2]; 2] {
         let mut ends = [self.position; 2];
         ends[0][1 - self.axis] -= 0.5 * self.length;
@@ -84,7 +85,7 @@ impl Serialize for JointFace {
         map.serialize_entry("x1", &self.position[0])?;
         map.serialize_entry("x2", &self.position[1])?;
         map.serialize_entry("axis", &(self.axis + 1))?;
-        map.serialize_entry("joint", &self.joint)?;
+        map.serialize_entry("joint", &self.joint_index)?;
         for (name, _, value) in JOINT_QUANTITIES {
             map.serialize_entry(name, &value(&self.record))?;
         }
@@ -96,17 +97,23 @@ impl Serialize for JointFace {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct JointSummary {
     /// Number of faces, one per pair of adjacent cells.
-    pub faces: usize,
+    #[serde(rename = "faces")]
+    pub face_count: usize,
     /// Number of faces that have slipped.
-    pub slipped: usize,
+    #[serde(rename = "slipped")]
+    pub slipped_count: usize,
     /// Number of faces that are open.
-    pub open: usize,
+    #[serde(rename = "open")]
+    pub open_count: usize,
     /// Number of faces that have broken.
-    pub broken: usize,
-    /// Largest slip, m.
-    pub largest_slip: f64,
-    /// Largest opening, m.
-    pub largest_opening: f64,
+    #[serde(rename = "broken")]
+    pub broken_count: usize,
+    /// Largest slip of a face, m.
+    #[serde(rename = "largest_slip")]
+    pub max_slip: f64,
+    /// Largest opening of a face, m.
+    #[serde(rename = "largest_opening")]
+    pub max_opening: f64,
     /// Time of the first slip, s; `None` without slip.
     pub first_slip_time: Option<f64>,
     /// Time of the first fracture, s; `None` without fracture.
@@ -127,12 +134,12 @@ impl JointSummary {
             times.filter(|time| *time > 0.0).reduce(f64::min)
         };
         (!faces.is_empty()).then(|| Self {
-            faces: faces.len(),
-            slipped: count(JointFace::has_slipped),
-            open: count(JointFace::is_open),
-            broken: count(JointFace::is_broken),
-            largest_slip: largest(|own| own.slip),
-            largest_opening: largest(|own| own.opening),
+            face_count: faces.len(),
+            slipped_count: count(JointFace::has_slipped),
+            open_count: count(JointFace::is_open),
+            broken_count: count(JointFace::is_broken),
+            max_slip: largest(|own| own.slip),
+            max_opening: largest(|own| own.opening),
             first_slip_time: first(|own| own.slip_time),
             first_fracture_time: first(|own| own.fracture_time),
         })
@@ -143,7 +150,7 @@ impl JointSummary {
 mod tests {
     use super::*;
 
-    const AT_REST: FaceRecord<f64> = FaceRecord {
+    const FACE_AT_REST: FaceRecord<f64> = FaceRecord {
         slip: 0.0,
         opening: 0.0,
         slip_time: 0.0,
@@ -156,26 +163,26 @@ mod tests {
     };
 
     fn new_face(record: FaceRecord<f64>) -> JointFace {
-        JointFace { position: [1.0, 0.25], axis: 0, length: 0.5, joint: 2, record }
+        JointFace { position: [1.0, 0.25], axis: 0, length: 0.5, joint_index: 2, record }
     }
 
     /// Verifies counts, extremes and times of first events, and that faces at rest have no such times.
     #[test]
     fn faces_are_counted_by_state() {
         let faces = [
-            AT_REST,
-            FaceRecord { slip: 2e-6, slip_time: 3e-5, ..AT_REST },
-            FaceRecord { slip: 1e-6, slip_time: 2e-5, fracture_time: 4e-5, ..AT_REST },
-            FaceRecord { opening: 5e-6, fracture_time: 3e-5, ..AT_REST },
+            FACE_AT_REST,
+            FaceRecord { slip: 2e-6, slip_time: 3e-5, ..FACE_AT_REST },
+            FaceRecord { slip: 1e-6, slip_time: 2e-5, fracture_time: 4e-5, ..FACE_AT_REST },
+            FaceRecord { opening: 5e-6, fracture_time: 3e-5, ..FACE_AT_REST },
         ]
         .map(new_face);
         let expected = JointSummary {
-            faces: 4,
-            slipped: 2,
-            open: 1,
-            broken: 2,
-            largest_slip: 2e-6,
-            largest_opening: 5e-6,
+            face_count: 4,
+            slipped_count: 2,
+            open_count: 1,
+            broken_count: 2,
+            max_slip: 2e-6,
+            max_opening: 5e-6,
             first_slip_time: Some(2e-5),
             first_fracture_time: Some(3e-5),
         };
@@ -188,7 +195,7 @@ mod tests {
     /// Verifies the ends of a face, and that times of absent events are serialised as null.
     #[test]
     fn faces_are_serialised_by_columns() {
-        let face = new_face(FaceRecord { slip_time: 3e-5, ..AT_REST });
+        let face = new_face(FaceRecord { slip_time: 3e-5, ..FACE_AT_REST });
         assert_eq!(face.ends(), [[1.0, 0.0], [1.0, 0.5]]);
         let json = serde_json::to_value(&face).expect("JSON");
         let expected = [("axis", 1.0), ("joint", 2.0), ("x2", 0.25), ("slip_time", 3e-5)];

@@ -23,7 +23,7 @@ pub(super) trait OutputConverter<S: Simulation> {
         value
     }
 
-    /// Returns the tables of energy accounts.
+    /// Returns the headers of all tables that contain energy accounts.
     fn account_tables(&self) -> Vec<TableHeader>;
 
     /// Returns one row for each of the [`account_tables`](Self::account_tables) from an energy account.
@@ -32,22 +32,23 @@ pub(super) trait OutputConverter<S: Simulation> {
     /// Converts the output fields at `time`, s.
     fn convert_fields(&self, simulation: &S, fields: S::Fields, time: f64) -> OutputFields;
 
-    /// Returns the statistics of the time steps; `last` is the last account recorded.
+    /// Returns the statistics of the time steps; `last` is the most recent recorded account.
     fn step_statistics(&self, simulation: &S, last: &S::Account) -> StepStatistics;
 
     /// Creates the report of a stopped simulation; `saved` is the time of the last valid state, s.
     fn stop_report(&self, fault: &S::Fault, saved: f64) -> StopReport;
 }
 
-/// Raw result of a simulation; `A` is the type of its energy account.
+/// Result of a simulation before its conversion to a [`RunResult`](super::RunResult); `A` is the type of its energy
+/// account.
 pub(super) struct SimulationOutput<A> {
     /// Output fields of the final state.
     pub(super) fields: OutputFields,
     /// Energy account of the final state.
     pub(super) final_account: A,
-    pub(super) steps: usize,
+    pub(super) step_count: usize,
     /// Simulated time reached, s.
-    pub(super) time: f64,
+    pub(super) final_time: f64,
     pub(super) stop_report: Option<StopReport>,
     pub(super) records: RunRecords,
 }
@@ -82,17 +83,19 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
         converter,
         recorder,
         receiver_columns: columns.unwrap_or_default(),
-        account_tables: accounts.iter().map(|head| head.kind).collect(),
+        account_table_kinds: accounts.iter().map(|head| head.kind).collect(),
         duration,
     };
     let end = run_simulation(&mut simulation, output, is_resumed, &mut watch)?;
-    let records = watch
-        .pass_progress(&simulation, &end.last_account, |recorder, now| recorder.finish(now))?;
+    let records =
+        watch.report_progress_to_recorder(&simulation, &end.last_account, |recorder, now| {
+            recorder.finish(now)
+        })?;
     Ok(SimulationOutput {
         fields: converter.convert_fields(&simulation, simulation.fields(), simulation.time()),
         final_account: end.last_account,
-        steps: simulation.steps(),
-        time: simulation.time(),
+        step_count: simulation.steps(),
+        final_time: simulation.time(),
         stop_report: end.fault.map(|fault| converter.stop_report(&fault, simulation.time())),
         records,
     })
@@ -105,13 +108,13 @@ struct RecorderObserver<'a, V> {
     /// Index in the probe record of each column of the receiver table after `time`.
     receiver_columns: Vec<usize>,
     /// Tables of energy accounts, in the order of the rows that the converter returns.
-    account_tables: Vec<TableKind>,
+    account_table_kinds: Vec<TableKind>,
     /// Duration of the simulation, s.
     duration: f64,
 }
 
 impl<V> RecorderObserver<'_, V> {
-    fn pass_progress<S: Simulation, R>(
+    fn report_progress_to_recorder<S: Simulation, R>(
         &mut self,
         simulation: &S,
         last: &S::Account,
@@ -121,7 +124,7 @@ impl<V> RecorderObserver<'_, V> {
         V: OutputConverter<S>,
     {
         let progress = RunProgress {
-            steps: simulation.steps(),
+            step_count: simulation.steps(),
             time: simulation.time(),
             duration: self.duration,
             is_finished: simulation.is_finished(),
@@ -144,7 +147,7 @@ impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, 
 
     fn on_account(&mut self, account: &S::Account) -> Result<(), Error> {
         let rows = self.converter.account_rows(account);
-        self.account_tables
+        self.account_table_kinds
             .iter()
             .zip(rows)
             .try_for_each(|(table, row)| self.recorder.record_row(*table, &row))
@@ -165,7 +168,9 @@ impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, 
     }
 
     fn on_steps_done(&mut self, simulation: &S, last: &S::Account) -> Result<(), Error> {
-        self.pass_progress(simulation, last, |recorder, now| recorder.handle_progress(now))
+        self.report_progress_to_recorder(simulation, last, |recorder, now| {
+            recorder.handle_progress(now)
+        })
     }
 }
 

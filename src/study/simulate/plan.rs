@@ -6,39 +6,39 @@ use crate::case::CaseError;
 use crate::study::available_memory::AvailableMemory;
 use dynamics::simulation::StepLimit;
 
-/// Plan of a simulation.
+/// Plan of a simulation: its size, and the memory, time and storage that it requires.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulationPlan {
-    /// Size of the problem, by kind.
-    pub size: ProblemSize,
-    /// Memory required.
-    pub memory: Bytes,
-    /// Time, steps, files and bytes required.
+    /// Size of the solver problem.
+    pub problem_size: ProblemSize,
+    /// Estimated peak memory.
+    pub required_memory: Bytes,
+    /// Estimated time, steps, files and bytes.
     pub cost: Cost,
 }
 
-/// Size of a simulation, by kind.
+/// Size of a simulation: cells or grid points, and time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProblemSize {
-    /// Simulation of a solid.
+    /// Size of the simulation of a solid.
     Solid {
         /// Number of cells along each axis.
-        cells: Vec<usize>,
-        /// Number of fields per cell.
-        fields: usize,
+        cell_counts: Vec<usize>,
+        /// Number of evolving fields per cell.
+        field_count: usize,
         /// Number of time steps.
-        steps: usize,
+        step_count: usize,
         /// Time step Δt, s.
         time_step: f64,
         /// Condition that limits the time step.
-        limit: StepLimit,
+        step_limit: StepLimit,
     },
-    /// Simulation of a flow.
+    /// Size of the simulation of a flow.
     Flow {
         /// Number of grid points along each axis.
-        points: [usize; 2],
+        point_counts: [usize; 2],
         /// Title of the model.
-        model: &'static str,
+        model_title: &'static str,
         /// Duration of the simulation, s.
         duration: f64,
         /// Smallest and largest initial wave number of the grid's modes along an axis, 1/m.
@@ -52,9 +52,9 @@ pub enum SimulationWarning {
     /// A time function of a load or source changes within fewer than four steps.
     FewSteps {
         /// Load or source in the case, such as `load[0]`.
-        entry: String,
+        entry_key: String,
         /// Number of time steps in the shortest time scale of the time function.
-        steps: f64,
+        steps_per_time_scale: f64,
     },
     /// The residual of an energy ledger with numerical dissipation exceeds rounding, see
     /// [`RunResult::residual_warning`](super::RunResult::residual_warning).
@@ -65,7 +65,7 @@ pub enum SimulationWarning {
     /// A load or source acts on one cell at a Courant number of 1, which leaves sawtooth waves undamped.
     Sawtooth {
         /// Load or source in the case, such as `source[0]`.
-        entry: String,
+        entry_key: String,
     },
 }
 
@@ -78,7 +78,7 @@ impl SimulationPlan {
         self,
         refused: impl FnOnce(String) -> CaseError,
     ) -> Result<Self, Error> {
-        match AvailableMemory::find_shortage(self.memory) {
+        match AvailableMemory::find_shortage(self.required_memory) {
             Some(available) => Err(refused(format!("{self}, more than {available}")).into()),
             None => Ok(self),
         }

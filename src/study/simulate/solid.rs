@@ -6,7 +6,7 @@ use super::observer::{
     run_with_recorder,
 };
 use super::plan::snapshot_count;
-use super::record::energy_unit;
+use super::recorder::energy_unit;
 use super::{
     Bytes, Cost, FieldQuantity, FinalLedger, IllPosedness, JointFace, JointSummary, OutputFields,
     ProblemSize, Recorder, RunReceiver, RunResult, SimulationJob, SimulationPlan,
@@ -15,12 +15,11 @@ use super::{
 use crate::Error;
 use crate::case::dynamics::{
     Blocks, BoundaryConditionKind, BoundaryFace, DimensionalSplitting, FaceCondition, FaceLoad,
-    Kernel, LedgerDetail as LedgerKind, LoadedArea, Precision, SolidRun, StateComponent,
-    TimeFunction,
+    Kernel, LedgerDetail, LoadedArea, Precision, SolidRun, StateComponent, TimeFunction,
 };
 use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{
-    SolidSetup, cell_centre, compute_time_steps, containing_cell, create_media, create_probe,
+    SolidSetup, cell_centre, compute_time_steps, create_media, create_probe, find_containing_cell,
 };
 use dynamics::SolverReal;
 use dynamics::domain::memory_bytes;
@@ -33,103 +32,151 @@ use dynamics::simulation::{
 /// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
 
-/// Memory of the program and its pictures, bytes.
-const PROGRAM_MEMORY: f64 = 36.0 * 1048576.0;
+/// Memory of the program during a simulation, bytes, by measurement.
+const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
+
+/// Memory for drawing one picture, bytes, by measurement; the pictures are drawn one after the other, when the solver
+/// has been dropped.
+const PICTURE_MEMORY_BYTES: f64 = 46.0 * 1048576.0;
+
+/// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
+const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
 
 /// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
-/// or along the last two axes in three, by measurement: interface states and boundary values.
-const NUMBERS_PER_LINE: f64 = 12.0;
+/// or along the last two axes in three, by measurement: interface states, in three dimensions with boundary values.
+const NUMBERS_PER_LINE: [f64; 2] = [5.7, 12.0];
 
-/// Lanes that pad a row of lines, by measurement.
+/// Memory per pair of waves for both faces at the ends of a line of cells, bytes, by measurement: the condition of the
+/// case, its position and that of the solver; by number of dimensions.
+const BYTES_PER_BOUNDARY_LINE: [f64; 2] = [67.0, 5.0];
+
+/// The same with the solver of ledgers with numerical dissipation, in any number of dimensions.
+const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
+
+/// Number of SIMD lanes that pad a row of lines, by measurement.
 const PADDING_LANES: usize = 10;
 
-/// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
-const SNAPSHOT_COPIES: f64 = 3.8;
+/// Memory of lists of values by cell relative to the values, by measurement: lists grow in steps.
+const LIST_EXCESS: f64 = 1.17;
 
-/// Numbers that the output stores per face of a joint: state, position and ends.
+/// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
+const SNAPSHOT_COPIES: f64 = 4.25;
+
+/// Numbers per cell for the dissipation of a yielding solid, by measurement: in the solver, in the checkpoint and for
+/// output.
+const DISSIPATION_NUMBERS: f64 = 4.0;
+
+/// Number of values that the output stores per face of a joint: state, position and ends.
 const NUMBERS_PER_JOINT_FACE: f64 = 16.0;
 
-/// Memory of a face of a joint in multiples of its output, by measurement: history variables, their copies for
-/// checkpoints, lists of faces, and copies of the output while files and pictures are created.
-const JOINT_COPIES: f64 = 9.4;
+/// Memory of a face of a joint in multiples of its output, by measurement, without and with snapshots: history
+/// variables, their copies for checkpoints, lists of faces, and copies of the output while files and pictures are
+/// created.
+const JOINT_COPIES: [f64; 2] = [4.0, 7.4];
 
-/// Numbers that a ledger with numerical dissipation (`TotalsAndDissipation`) keeps per field and cell, by measurement.
-const FULL_LEDGER_NUMBERS: f64 = 1.0;
-
-/// Simulation of a solid with its media.
+/// Simulation of a solid, with its case and the media of its regions or blocks.
 pub(super) struct SolidJob<'a> {
     case: &'a Case,
-    dynamics: &'a SolidRun,
+    solid_run: &'a SolidRun,
     media: Vec<Medium>,
     /// Names of the output quantities of a cell in order: fields, then time integrals.
     quantity_names: Vec<String>,
 }
 
 impl<'a> SolidJob<'a> {
-    pub(super) fn new(case: &'a Case, dynamics: &'a SolidRun) -> Result<Self, Error> {
-        let media = create_media(case, dynamics)?;
+    pub(super) fn new(case: &'a Case, solid_run: &'a SolidRun) -> Result<Self, Error> {
+        let media = create_media(case, solid_run)?;
         let fields = media[0].fields.iter().map(|field| StateComponent(*field).to_string());
         let integrals =
-            dynamics.output.integrated_components.iter().filter_map(|own| own.integral_name());
+            solid_run.output.integrated_components.iter().filter_map(|own| own.integral_name());
         let names = fields.chain(integrals).collect();
-        Ok(Self { case, dynamics, media, quantity_names: names })
+        Ok(Self { case, solid_run, media, quantity_names: names })
     }
 
-    /// Estimates the peak memory of a run, bytes: that of the program, of the solver, of its initial values and of its
-    /// ledger, plus the copies of the fields for a checkpoint, for the results or for a snapshot, whichever is largest,
-    /// plus all snapshots if `keeps_snapshots` is set.
+    /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
+    /// values, of joints, and of the copies of the fields for a checkpoint, for the results or for a snapshot, whichever
+    /// is largest; plus all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger,
+    /// since pictures are drawn when the solver has been dropped. Freed copies stay with the allocator, so that they
+    /// count in both cases.
     fn estimate_memory(&self, keeps_snapshots: bool) -> Bytes {
-        let SolidRun { grid, output, scheme, initial_terms: initial, .. } = self.dynamics;
-        let fields = self.media[0].fields.len();
-        let (solver, number) = match scheme.precision {
-            Precision::F64 => (memory_bytes::<f64>(&self.solver_cells(), fields), size_of::<f64>()),
-            Precision::F32 => (memory_bytes::<f32>(&self.solver_cells(), fields), size_of::<f32>()),
-        };
-        let line_count = match self.solver_cells()[..] {
-            [n1, _] => n1,
-            [n1, n2, n3] => (n1 + PADDING_LANES) * (n2 + n3),
-            _ => 0,
-        };
-        let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
-        let lines = NUMBERS_PER_LINE * (line_count * pairs * number) as f64;
+        let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
         let wide = size_of::<f64>() as f64;
-        let saved = (fields * number) as f64;
+        let saved = (self.media[0].fields.len() * self.number_size()) as f64;
         let shown = wide * self.quantity_names.len() as f64;
         let checkpoint = 2.0 * saved + 2.0 * wide * output.integrated_components.len() as f64;
-        let result = saved + shown;
-        let snapshot = match output.snapshot_interval > 0.0 {
+        let dissipation = if self.yields() { DISSIPATION_NUMBERS * wide } else { 0.0 };
+        let results = LIST_EXCESS * (checkpoint.max(saved + shown) + dissipation);
+        let has_snapshots = output.snapshot_interval > 0.0;
+        let snapshot = match has_snapshots {
             true => SNAPSHOT_COPIES * wide * self.numbers_per_snapshot_cell() as f64,
             false => 0.0,
         };
-        let ledger = match scheme.ledger_detail {
-            LedgerKind::TotalsAndDissipation => FULL_LEDGER_NUMBERS * wide * fields as f64,
-            LedgerKind::Totals => 0.0,
-        };
         let kept = match keeps_snapshots {
-            true => snapshot_count(output.snapshot_interval, self.dynamics.time.duration),
+            true => snapshot_count(output.snapshot_interval, time.duration),
             false => 0.0,
         };
-        let copies = checkpoint.max(result).max(snapshot)
+        let per_cell = results.max(snapshot)
             + kept * shown
-            + ledger
             + wide * initial.len() as f64
             + size_of::<u16>() as f64;
-        let joints = wide * NUMBERS_PER_JOINT_FACE * self.joint_face_count() as f64;
-        let joint_copies = JOINT_COPIES + kept;
+        let joint_faces = self.joint_face_count() as f64;
+        let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
+        let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
+        let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
+        let [solver, boundaries] = self.estimate_solver_memory();
         Bytes(
-            PROGRAM_MEMORY
-                + solver
-                + lines
-                + grid.cell_count() as f64 * copies
-                + joints * joint_copies,
+            PROGRAM_MEMORY_BYTES
+                + boundaries
+                + grid.cell_count() as f64 * per_cell
+                + joints
+                + solver.max(PICTURE_MEMORY_BYTES + joint_pictures),
         )
+    }
+
+    /// Estimates the memory of the solver, bytes: of the fields, and of values by line and at boundaries.
+    fn estimate_solver_memory(&self) -> [f64; 2] {
+        let SolidRun { grid, scheme, .. } = self.solid_run;
+        let fields = self.media[0].fields.len();
+        let number = self.number_size() as f64;
+        let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0) as f64;
+        let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
+        let boundary_lines = lines as f64 * pairs;
+        if scheme.ledger_detail == LedgerDetail::TotalsAndDissipation {
+            let solver = grid.cell_count() as f64 * fields as f64 * number;
+            return [solver, BYTES_PER_REFERENCE_BOUNDARY_LINE * boundary_lines];
+        }
+        let cells = self.solver_cells();
+        let (line_count, dimensions) = match cells[..] {
+            [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3), 1),
+            [n1, _] => (n1, 0),
+            _ => (0, 0),
+        };
+        let solver = match scheme.precision {
+            Precision::F64 => memory_bytes::<f64>(&cells, fields),
+            Precision::F32 => memory_bytes::<f32>(&cells, fields),
+        };
+        let line_values = NUMBERS_PER_LINE[dimensions] * line_count as f64 * pairs * number;
+        let boundary_values = BYTES_PER_BOUNDARY_LINE[dimensions] * boundary_lines;
+        [solver, line_values + boundary_values]
+    }
+
+    /// Returns the size of a number of the solver, bytes.
+    const fn number_size(&self) -> usize {
+        match self.solid_run.scheme.precision {
+            Precision::F64 => size_of::<f64>(),
+            Precision::F32 => size_of::<f32>(),
+        }
+    }
+
+    fn yields(&self) -> bool {
+        self.media.iter().any(|medium| medium.yield_set.is_some())
     }
 
     /// Returns the numbers of cells in the axis order of the solver, as
     /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
     /// splitting the last axis with a reflecting boundary is moved to the front.
     fn solver_cells(&self) -> Vec<usize> {
-        let SolidRun { grid, scheme, .. } = self.dynamics;
+        let SolidRun { grid, scheme, .. } = self.solid_run;
         let mut cells = grid.cells.clone();
         if cells.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
             let is_reflecting = |own: &FaceCondition| match own.condition {
@@ -144,8 +191,8 @@ impl<'a> SolidJob<'a> {
             let has_reflecting_face = |axis: &usize| {
                 [false, true].into_iter().any(|is_upper| {
                     let face = BoundaryFace { axis: *axis, is_upper };
-                    // From the last condition of the whole face on; a face without one is free.
-                    let conditions = &self.dynamics.boundary_conditions;
+                    // Only conditions from the last one of the whole face on apply; a face without condition is free.
+                    let conditions = &self.solid_run.boundary_conditions;
                     let of_face: Vec<_> =
                         conditions.iter().filter(|own| own.face == face).collect();
                     let whole = of_face.iter().rposition(|own| own.rectangle.is_none());
@@ -158,24 +205,24 @@ impl<'a> SolidJob<'a> {
         cells
     }
 
-    /// Returns the number of faces of joints.
+    /// Returns the number of faces of all joints.
     fn joint_face_count(&self) -> usize {
-        let contacts = self.dynamics.blocks.iter().flat_map(|blocks| &blocks.contacts);
-        contacts.filter(|own| own.joint.is_some()).map(|own| own.along.len()).sum()
+        let contacts = self.solid_run.blocks.iter().flat_map(|blocks| &blocks.contacts);
+        contacts.filter(|own| own.joint_index.is_some()).map(|own| own.tangential_cells.len()).sum()
     }
 
-    /// Returns the numbers per cell in a snapshot: velocity vectors have three components, and yielding solids have a
-    /// dissipation field.
+    /// Returns the number of values per cell in a snapshot: velocity vectors have three components, and yielding solids
+    /// have a dissipation field.
     fn numbers_per_snapshot_cell(&self) -> usize {
-        let yields = self.media.iter().any(|medium| medium.yield_set.is_some());
-        self.quantity_names.len() + 3 - self.dynamics.grid.dimensions() + usize::from(yields)
+        self.quantity_names.len() + 3 - self.solid_run.grid.dimensions()
+            + usize::from(self.yields())
     }
 }
 
 impl SolidJob<'_> {
-    /// Estimates the cost of `steps` steps.
+    /// Estimates the cost of `steps` time steps.
     fn estimate_cost(&self, steps: f64) -> Cost {
-        let SolidRun { grid, output, time, scheme, receivers, .. } = self.dynamics;
+        let SolidRun { grid, output, time, scheme, receivers, .. } = self.solid_run;
         let count = grid.cell_count() as f64;
         let fields = self.media[0].fields.len() as f64;
         let lines = match output.ledger_interval {
@@ -186,16 +233,18 @@ impl SolidJob<'_> {
         let row = if columns > 0 { 1.0 + columns as f64 } else { 0.0 };
         let joint_faces = self.joint_face_count() as f64;
         let written = OutputVolume {
-            snapshots: snapshot_count(output.snapshot_interval, time.duration),
+            snapshot_count: snapshot_count(output.snapshot_interval, time.duration),
             numbers_per_snapshot: count * self.numbers_per_snapshot_cell() as f64
                 + NUMBERS_PER_JOINT_FACE * joint_faces,
             // `joints.vtp` and `joints.npz` together are about as large as `joints.csv`.
-            table_numbers: lines * 9.0 + steps * row + 2.0 * NUMBERS_PER_JOINT_FACE * joint_faces,
+            numbers_in_tables: lines * 9.0
+                + steps * row
+                + 2.0 * NUMBERS_PER_JOINT_FACE * joint_faces,
         };
         Cost::estimate_solid_cost(
             steps,
             count * fields,
-            scheme.ledger_detail == LedgerKind::TotalsAndDissipation,
+            scheme.ledger_detail == LedgerDetail::TotalsAndDissipation,
             written,
         )
     }
@@ -203,63 +252,70 @@ impl SolidJob<'_> {
 
 impl SimulationJob for SolidJob<'_> {
     fn plan(&self, keeps_snapshots: bool) -> Result<SimulationPlan, Error> {
-        let (dynamics, media) = (self.dynamics, &self.media);
-        let TimeSteps { count, step, limit, .. } = compute_time_steps(dynamics, media)?;
-        let cells = dynamics.grid.cells.clone();
+        let (solid_run, media) = (self.solid_run, &self.media);
+        let TimeSteps { count, step, limit, .. } = compute_time_steps(solid_run, media)?;
+        let cells = solid_run.grid.cells.clone();
         let work = ProblemSize::Solid {
-            cells,
-            fields: media[0].fields.len(),
-            steps: count,
+            cell_counts: cells,
+            field_count: media[0].fields.len(),
+            step_count: count,
             time_step: step,
-            limit,
+            step_limit: limit,
         };
         let memory = self.estimate_memory(keeps_snapshots);
-        let plan = SimulationPlan { size: work, memory, cost: self.estimate_cost(count as f64) };
+        let plan = SimulationPlan {
+            problem_size: work,
+            required_memory: memory,
+            cost: self.estimate_cost(count as f64),
+        };
         plan.check_memory(|found| {
             let allowed = "ask for fewer cells, or for scheme.precision = \"f32\"";
-            dynamics.error_at("grid.cells", found, allowed)
+            solid_run.key_error("grid.cells", found, allowed)
         })
     }
 
     fn refuse_excess(&self, plan: &SimulationPlan) -> Result<(), Error> {
-        plan.cost.refuse_excess(|key, found, allowed| self.dynamics.error_at(key, found, allowed))
+        plan.cost.refuse_excess(|key, found, allowed| self.solid_run.key_error(key, found, allowed))
     }
 
     fn check_case(&self) -> Result<(), Error> {
         let media = self.media.clone();
-        match self.dynamics.grid.dimensions() {
-            2 => drop(SolidSetup::<2>::new(self.case, self.dynamics, media)?),
-            _ => drop(SolidSetup::<3>::new(self.case, self.dynamics, media)?),
+        match self.solid_run.grid.dimensions() {
+            2 => drop(SolidSetup::<2>::new(self.case, self.solid_run, media)?),
+            _ => drop(SolidSetup::<3>::new(self.case, self.solid_run, media)?),
         }
         Ok(())
     }
 
-    fn warnings(&self) -> Result<Vec<SimulationWarning>, Error> {
+    fn find_warnings(&self) -> Result<Vec<SimulationWarning>, Error> {
         const MIN_STEPS: f64 = 4.0;
-        let step = compute_time_steps(self.dynamics, &self.media)?.step;
+        let step = compute_time_steps(self.solid_run, &self.media)?.step;
         let loads =
-            self.dynamics.loads.iter().map(|load| ("load", &load.time_function)).enumerate();
+            self.solid_run.loads.iter().map(|load| ("load", &load.time_function)).enumerate();
         let sources =
-            self.dynamics.sources.iter().map(|own| ("source", &own.time_function)).enumerate();
+            self.solid_run.sources.iter().map(|own| ("source", &own.time_function)).enumerate();
         let warning = |(index, (name, time)): (usize, (&str, &TimeFunction))| {
             let shortest = time.shortest_time_scale().filter(|time| *time < MIN_STEPS * step)?;
             let entry = format!("{name}[{index}]");
-            Some(SimulationWarning::FewSteps { entry, steps: shortest / step })
+            Some(SimulationWarning::FewSteps {
+                entry_key: entry,
+                steps_per_time_scale: shortest / step,
+            })
         };
         let mut warnings: Vec<SimulationWarning> =
             loads.chain(sources).filter_map(warning).collect();
-        if self.dynamics.time.courant_number == 1.0 {
-            let loads = self.dynamics.loads.iter().enumerate();
+        if self.solid_run.time.courant_number == 1.0 {
+            let loads = self.solid_run.loads.iter().enumerate();
             let of_load = |own: &FaceLoad| match &own.loaded_area {
                 LoadedArea::Point { kernel, .. } => *kernel == Kernel::Cell,
                 LoadedArea::WholeFace | LoadedArea::Rectangle(_) => false,
             };
             let loads = loads.filter(|own| of_load(own.1)).map(|own| ("load", own.0));
-            let sources = self.dynamics.sources.iter().enumerate();
+            let sources = self.solid_run.sources.iter().enumerate();
             let sources =
                 sources.filter(|own| own.1.kernel == Kernel::Cell).map(|own| ("source", own.0));
             warnings.extend(loads.chain(sources).map(|(name, index)| {
-                SimulationWarning::Sawtooth { entry: format!("{name}[{index}]") }
+                SimulationWarning::Sawtooth { entry_key: format!("{name}[{index}]") }
             }));
         }
         Ok(warnings)
@@ -271,7 +327,7 @@ impl SimulationJob for SolidJob<'_> {
     }
 
     fn execute(&self, recorder: &mut dyn Recorder) -> Result<RunResult, Error> {
-        match (self.dynamics.grid.dimensions(), self.dynamics.scheme.precision) {
+        match (self.solid_run.grid.dimensions(), self.solid_run.scheme.precision) {
             (2, Precision::F64) => self.run_simulation::<f64, 2>(recorder),
             (2, Precision::F32) => self.run_simulation::<f32, 2>(recorder),
             (_, Precision::F64) => self.run_simulation::<f64, 3>(recorder),
@@ -290,50 +346,52 @@ impl SolidJob<'_> {
         &self,
         recorder: &mut dyn Recorder,
     ) -> Result<RunResult, Error> {
-        let dynamics = self.dynamics;
+        let solid_run = self.solid_run;
         let simulation = self.create_simulation::<T, D>()?;
-        if let (false, Some(cell)) = (recorder.is_resumed(), simulation.first_beyond_yield()) {
-            return Err(self.beyond_yield_error(cell).into());
+        if let (false, Some(cell)) =
+            (recorder.is_resumed(), simulation.first_cell_outside_yield_set())
+        {
+            return Err(self.create_beyond_yield_error(cell).into());
         }
         let steps = simulation.time_steps();
-        let lines = match dynamics.output.ledger_interval {
+        let lines = match solid_run.output.ledger_interval {
             0.0 => steps.count.div_ceil(DEFAULT_LEDGER_ROWS),
             seconds => steps_between_rows(seconds, steps.step),
         };
-        let duration = dynamics.time.duration;
+        let duration = solid_run.time.duration;
         let accounts = lines as f64 * steps.step;
-        let output = create_output_times(accounts, dynamics.output.snapshot_interval, duration);
+        let output = create_output_times(accounts, solid_run.output.snapshot_interval, duration);
         let found = run_with_recorder(self, simulation, &output, duration, recorder)?;
         Ok(self.create_result(steps, found))
     }
 
-    /// Creates the solver in its initial state.
+    /// Creates the solver with the initial state of the case.
     fn create_simulation<T: SolverReal, const D: usize>(
         &self,
     ) -> Result<SolidSimulation<T, D>, Error> {
-        let dynamics = self.dynamics;
+        let solid_run = self.solid_run;
         let SolidSetup { problem, time_steps, initial_fields } =
-            SolidSetup::<D>::new(self.case, dynamics, self.media.clone())?;
+            SolidSetup::<D>::new(self.case, solid_run, self.media.clone())?;
         let of_cell = &problem.cell_media;
         let probes =
-            dynamics.receivers.iter().map(|own| create_probe(dynamics, of_cell, own)).collect();
-        let solver = match dynamics.scheme.ledger_detail {
-            LedgerKind::Totals => SolverChoice::Fused { threads: rayon::current_num_threads() },
-            LedgerKind::TotalsAndDissipation => SolverChoice::Reference,
+            solid_run.receivers.iter().map(|own| create_probe(solid_run, of_cell, own)).collect();
+        let solver = match solid_run.scheme.ledger_detail {
+            LedgerDetail::Totals => SolverChoice::Fused { threads: rayon::current_num_threads() },
+            LedgerDetail::TotalsAndDissipation => SolverChoice::Reference,
         };
         let simulation = SolidSimulation::new(problem, time_steps, initial_fields, probes, solver);
         Ok(simulation.map_err(|error| {
-            dynamics.error_at("grid", error.to_string(), "see docs/case-file.md")
+            solid_run.key_error("grid", error.to_string(), "see docs/case-file.md")
         })?)
     }
 
-    /// Creates the error that the initial stress is beyond yield.
-    fn beyond_yield_error(&self, cell: usize) -> CaseError {
-        let place = cell_centre(self.dynamics, cell);
+    /// Creates the error that the initial stress is outside the yield set.
+    fn create_beyond_yield_error(&self, cell: usize) -> CaseError {
+        let place = cell_centre(self.solid_run, cell);
         let found = format!("a stress beyond yield in the cell at {place:?}");
         let allowed =
             "initial stresses, and those of [initial_stress] with them, within the yield set";
-        self.dynamics.error_at("initial", found, allowed)
+        self.solid_run.key_error("initial", found, allowed)
     }
 
     /// Returns the terms of the energy ledger, J, by name.
@@ -347,7 +405,7 @@ impl SolidJob<'_> {
             ("initial_stress_work", ledger.initial_stress_work),
             ("plastic_dissipation", ledger.plastic_dissipation),
         ];
-        if self.dynamics.blocks.as_ref().is_some_and(Blocks::has_joints) {
+        if self.solid_run.blocks.as_ref().is_some_and(Blocks::has_joints) {
             let losses = ledger.interlayer_losses;
             terms.extend([
                 ("joint_kinetic", energy.interlayer_kinetic),
@@ -361,7 +419,7 @@ impl SolidJob<'_> {
                 ("fluid_dissipation", losses.fluid),
             ]);
         }
-        let is_full = self.dynamics.scheme.ledger_detail == LedgerKind::TotalsAndDissipation;
+        let is_full = self.solid_run.scheme.ledger_detail == LedgerDetail::TotalsAndDissipation;
         if is_full {
             terms.push(("numerical_dissipation", ledger.numerical_dissipation));
         }
@@ -370,32 +428,35 @@ impl SolidJob<'_> {
     }
 
     fn create_result(&self, steps: TimeSteps, found: SimulationOutput<SolidAccount>) -> RunResult {
-        let dynamics = self.dynamics;
+        let solid_run = self.solid_run;
         let mut terms = self.ledger_terms(&found.final_account);
         terms.insert(2, ("at_start", found.final_account.initial_energy));
         let receiver = |own: &crate::case::dynamics::ReceiverPoint<_>| RunReceiver {
             name: own.name.clone(),
             position: own.position.clone(),
-            cell_centre: Some(cell_centre(dynamics, containing_cell(dynamics, &own.position))),
+            cell_centre: Some(cell_centre(
+                solid_run,
+                find_containing_cell(solid_run, &own.position),
+            )),
             interpolation: Some(own.interpolation.name()),
             grid_point: None,
         };
         RunResult {
             title: self.case.title.clone(),
             model: None,
-            cells: dynamics.grid.cells.clone(),
+            cell_counts: solid_run.grid.cells.clone(),
             box_lengths: None,
-            steps: found.steps,
+            step_count: found.step_count,
             time_step: Some(steps.step),
-            time: found.time,
-            precision: Some(dynamics.scheme.precision.name()),
-            order: Some(dynamics.scheme.reconstruction.name()),
+            final_time: found.final_time,
+            precision: Some(solid_run.scheme.precision.name()),
+            reconstruction: Some(solid_run.scheme.reconstruction.name()),
             velocity_gradient: None,
-            deformation: None,
-            joints: JointSummary::new(&found.fields.joints),
+            deformation_gradient: None,
+            joint_summary: JointSummary::new(&found.fields.joint_faces),
             fields: found.fields,
-            ledger: FinalLedger { unit: energy_unit(self.case), terms },
-            receivers: dynamics.receivers.iter().map(receiver).collect(),
+            final_ledger: FinalLedger { unit: energy_unit(self.case), terms },
+            receivers: solid_run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,
             records: found.records,
         }
@@ -404,7 +465,7 @@ impl SolidJob<'_> {
 
 impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for SolidJob<'_> {
     fn receiver_table(&self) -> Option<(TableHeader, Vec<usize>)> {
-        create_receiver_table(self.case, &self.dynamics.receivers, &self.quantity_names)
+        create_receiver_table(self.case, &self.solid_run.receivers, &self.quantity_names)
     }
 
     fn account_tables(&self) -> Vec<TableHeader> {
@@ -425,23 +486,23 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         fields: SolidFields,
         time: f64,
     ) -> OutputFields {
-        let grid = &self.dynamics.grid;
+        let grid = &self.solid_run.grid;
         let middles = |axis| (0..grid.cells[axis]).map(|i| grid.cell_centre(axis, i)).collect();
         let has_regions =
-            self.dynamics.materials().len() > usize::from(self.dynamics.blocks.is_some());
+            self.solid_run.materials().len() > usize::from(self.solid_run.blocks.is_some());
         let joint = |(face, record)| JointFace::new(grid, &face, record);
         let named = self.quantity_names.iter().zip(fields.values);
         OutputFields {
             time,
             coordinates: (0..grid.dimensions()).map(middles).collect(),
-            deformation: None,
+            deformation_gradient: None,
             quantities: named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect(),
-            dissipation: fields.plastic_dissipation,
-            regions: match has_regions {
+            plastic_dissipation: fields.plastic_dissipation,
+            region_indices: match has_regions {
                 true => simulation.problem().cell_media.clone(),
                 false => Vec::new(),
             },
-            joints: fields.interlayers.into_iter().map(joint).collect(),
+            joint_faces: fields.interlayers.into_iter().map(joint).collect(),
         }
     }
 
@@ -452,18 +513,18 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
     ) -> StepStatistics {
         StepStatistics::Solid {
             energy: simulation.account().energy.total(),
-            cells: simulation.problem().grid.count(),
-            threads: simulation.threads(),
+            cell_count: simulation.problem().grid.count(),
+            thread_count: simulation.threads(),
         }
     }
 
     fn stop_report(&self, fault: &SolidFault, saved: f64) -> StopReport {
         let cause = match fault.location {
             Some((field, cell)) => {
-                StopCause::NonFiniteField { field, cell_centre: cell_centre(self.dynamics, cell) }
+                StopCause::NonFiniteField { field, cell_centre: cell_centre(self.solid_run, cell) }
             }
             None => StopCause::NonFiniteEnergy,
         };
-        StopReport { cause, time: fault.time, last_valid_time: saved }
+        StopReport { cause, detection_time: fault.time, last_valid_time: saved }
     }
 }

@@ -4,26 +4,26 @@ use analysis::growth::Growth;
 use dynamics::flow::LeftDomain;
 use models::solid::waves::SolidField;
 
-/// Report of a simulation that was stopped by its own state, such as a non-finite field.
+/// Report of a simulation that was stopped by its state, such as a non-finite field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StopReport {
     /// Cause of the stop, with its position if there is one.
     pub cause: StopCause,
     /// Simulated time at which the cause was detected, s.
-    pub time: f64,
-    /// Simulated time of the last valid state, s: of a solid the last one whose energy and ledger are finite, which may be
-    /// outside its yield set if the return mapping overflowed; of a flow the last one in the domain of the solver.
+    pub detection_time: f64,
+    /// Simulated time of the last valid state, s: of a solid the last one whose energy and ledger are finite, which may
+    /// be outside its yield set if the return mapping overflowed; of a flow the last one in the domain of the solver.
     pub last_valid_time: f64,
 }
 
 impl std::error::Error for StopReport {}
 
-/// Cause of stopping a simulation.
+/// Cause for which a simulation was stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StopCause {
     /// A field of a solid is not finite.
     NonFiniteField {
-        /// Field that is not finite.
+        /// Field of the solid that is not finite.
         field: SolidField,
         /// Centre of the first cell where the field is not finite, m.
         cell_centre: Vec<f64>,

@@ -3,7 +3,7 @@
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
-/// Newton steps for a node; convergence is quadratic.
+/// Maximum number of Newton steps for a quadrature node; convergence is quadratic.
 const NEWTON_STEPS: usize = 20;
 
 /// Values at ξ in [−1, 1] of the Legendre polynomials Pₘ of degree m ≤ `degree`, times √(2m + 1): orthonormal for the
@@ -16,7 +16,7 @@ pub fn normalised_legendre(degree: usize, x: f64) -> Vec<f64> {
     values
 }
 
-/// Legendre polynomials by their recurrence (m + 1)Pₘ₊₁ = (2m + 1)xPₘ − mPₘ₋₁.
+/// Values of P₀ to P_`degree` at x by the recurrence (m + 1)Pₘ₊₁ = (2m + 1)xPₘ − mPₘ₋₁.
 fn legendre(degree: usize, x: f64) -> Vec<f64> {
     let mut values = vec![1.0];
     for m in 0..degree {
@@ -69,7 +69,7 @@ pub fn gradient_integral(m: usize, n: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// The closed forms equal quadrature, and the polynomials are orthonormal.
+    /// Verifies the closed forms of the integrals against quadrature, and that the polynomials are orthonormal.
     #[test]
     fn integrals_equal_quadrature() {
         let degree = 9;

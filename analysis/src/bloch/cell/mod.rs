@@ -1,20 +1,22 @@
 //! Bloch waves of a doubly periodic blocky medium in plane strain, by a Galerkin method.
 //!
 //! A cell H₁ × H₂ consists of rows of rectangular elastic blocks. Along every face a joint (interlayer) connects two
-//! blocks; in each direction, normal and tangential, with the velocities v± on its sides, their mean V and difference d,
-//! it has kinetic energy ½mV² + ½nd² and stores ½K times the square of the opening, per area. The displacement of
-//! each block is a sum of products of Legendre polynomials of degree ≤ p in x₁ and x₂ (a spectral element; no continuity
-//! is imposed, joints couple the blocks), and with u(x + a) = e^{−iκ·a}u(x) for lattice vectors a the energies give
+//! blocks. In each direction, normal and tangential, with the mean V and the difference d of the velocities of both
+//! faces, it has kinetic energy ½mV² + ½nd² and elastic energy ½K times the square of the opening, per area. The
+//! displacement of each block is a sum of products of Legendre polynomials of degree ≤ p in x₁ and x₂ (a spectral
+//! element; no continuity is imposed, joints couple the blocks), and with u(x + a) = e^{−iκ·a}u(x) for lattice vectors
+//! a the energies give
 //!
 //! ```text
 //! K(κ) u = ω² M(κ) u,
 //! ```
 //!
-//! Hermitian, M positive definite; with viscous joints a first-order system with complex ω. By the principle of Rayleigh and Ritz every ω² decreases to its exact value as p
-//! grows; [`Cell::solve`] raises p until the frequencies no longer change.
+//! with Hermitian K and positive definite M; with viscous joints a first-order system with complex ω. By the principle
+//! of Rayleigh and Ritz every ω² decreases to its exact value as p increases; [`Cell::solve`] raises p until the
+//! frequencies no longer change.
 //!
-//! A joint in a given state of another law is one with the tangent stiffness of that state: zero for an open crack, that
-//! of the branch for porous layers. A negative stiffness is allowed: if some ω² < 0 the state is unstable.
+//! For a nonlinear law the stiffness of the joint is the tangent stiffness of its state: zero for an open crack, that
+//! of open or collapsed pores for porous layers. It may be negative; if some ω² < 0 the state is unstable.
 
 mod assembly;
 mod damped;
@@ -30,19 +32,19 @@ use models::interface::elastic::ElasticMaterial;
 use models::interface::homogenised::{BlockMaterial, BlockyMedium};
 use models::interface::opening_line::LayerMass;
 
-/// Joint for one traction component.
+/// Law of a joint for one traction component, normal or tangential.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointComponent {
-    /// Mass per area.
+    /// Mass per area, kg/m².
     pub mass: LayerMass<f64>,
-    /// Stiffness K, Pa/m: traction per opening; the instantaneous one of a viscous joint.
+    /// Stiffness K, Pa/m: traction per opening; the instantaneous stiffness of a viscous joint.
     pub stiffness: f64,
     /// Delayed opening of a viscous joint.
     pub delay: Option<JointDelay>,
 }
 
-/// Delayed part e of the opening of a viscous joint under the traction S, τė + e = C₁S (standard linear solid); S is K
-/// times the rest of the opening.
+/// Delayed part e of the opening d of a viscous joint under the traction S: τė + e = C₁S and S = K(d − e) (standard
+/// linear solid).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointDelay {
     /// Delayed compliance C₁, m/Pa; positive.
@@ -51,17 +53,17 @@ pub struct JointDelay {
     pub retardation_time: f64,
 }
 
-/// Joint between two blocks.
+/// Joint (interlayer) between two blocks: linear law of both traction components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
-    /// Component normal to the face.
+    /// Law of the traction normal to the face.
     pub normal: JointComponent,
-    /// Component along the face.
+    /// Law of the traction along the face.
     pub tangential: JointComponent,
 }
 
 impl Joint {
-    /// Elastic layer with the mass distributed as in the box scheme, or lumped.
+    /// Joint of an elastic layer, with the mass distributed as in the box scheme or lumped.
     pub fn from_layer(material: &ElasticMaterial, is_lumped: bool) -> Self {
         let mass = match is_lumped {
             true => LayerMass::new_lumped(material.mass()),
@@ -107,12 +109,12 @@ impl Joint {
 pub struct CellBlock {
     /// Side along x₁, m.
     pub width: f64,
-    /// Material.
+    /// Elastic material.
     pub material: BlockMaterial,
-    /// Joint to the next block of the row, normal to x₁.
-    pub right: Joint,
-    /// Joint to the blocks of the next row, normal to x₂.
-    pub top: Joint,
+    /// Joint to the next block of the row, on the face normal to x₁.
+    pub right_joint: Joint,
+    /// Joint to the blocks of the next row, on the face normal to x₂.
+    pub top_joint: Joint,
 }
 
 /// Row of blocks along x₁.
@@ -132,7 +134,7 @@ pub struct Cell {
     rows: Vec<BlockRow>,
 }
 
-/// Largest difference in width between rows, relative to the width.
+/// Largest allowed difference in width between rows, relative to the width.
 const WIDTH_TOLERANCE: f64 = 1e-12;
 
 impl Cell {
@@ -150,8 +152,8 @@ impl Cell {
             for block in &row.blocks {
                 ensure(is_positive(block.width), "width", block.width, "a positive number")?;
                 block.material.check()?;
-                block.right.check()?;
-                block.top.check()?;
+                block.right_joint.check()?;
+                block.top_joint.check()?;
             }
         }
         let cell = Self { rows };
@@ -171,17 +173,21 @@ impl Cell {
     pub fn from_medium(medium: &BlockyMedium, is_lumped: bool) -> Result<Self, BlochError> {
         medium.check()?;
         let joint = Joint::from_layer(&medium.layer, is_lumped);
-        let block =
-            CellBlock { width: medium.period, material: medium.block, right: joint, top: joint };
+        let block = CellBlock {
+            width: medium.period,
+            material: medium.block,
+            right_joint: joint,
+            top_joint: joint,
+        };
         Self::new(vec![BlockRow { height: medium.period, offset: 0.0, blocks: vec![block] }])
     }
 
-    /// A cell with other joints in the rows of this one.
+    /// Creates a cell from rows whose sides and materials have been checked.
     pub(super) const fn from_checked_rows(rows: Vec<BlockRow>) -> Self {
         Self { rows }
     }
 
-    /// Rows of blocks.
+    /// Rows of blocks in the order of x₂.
     pub fn rows(&self) -> &[BlockRow] {
         &self.rows
     }

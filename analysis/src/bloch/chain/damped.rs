@@ -1,6 +1,6 @@
 //! Attenuated waves at real frequencies, and damped waves at real wave numbers, of a chain with viscous layers.
 
-use super::{BlochPhase, Chain, ChainElement, Factor};
+use super::{BlochPhase, Chain, ChainElement, TransferFactor};
 use crate::bloch::{BlochError, ensure};
 use models::common::elementary::{Elementary, cr_arg};
 use num_complex::Complex64;
@@ -8,12 +8,12 @@ use std::f64::consts::{PI, TAU};
 
 /// Largest number of steps of Newton's method.
 const NEWTON_STEPS: usize = 50;
-/// Relative change at which Newton's method ends.
+/// Relative change of the frequency at which Newton's method ends.
 const NEWTON_TOLERANCE: f64 = 1e-14;
-/// First and least step of the continuation in the share of the delayed compliance.
-const CONTINUATION_STEPS: [f64; 2] = [1.0 / 16.0, 1e-6];
-/// Largest change of a frequency in a step of the continuation, relative to it.
-const LARGEST_CHANGE: f64 = 0.1;
+/// First and smallest step of the continuation in the factor of the delayed compliance, from 0 to 1.
+const CONTINUATION_STEP_RANGE: [f64; 2] = [1.0 / 16.0, 1e-6];
+/// Largest relative change of a frequency in a step of the continuation.
+const MAX_RELATIVE_CHANGE: f64 = 0.1;
 
 impl Chain {
     /// Half the trace Δ(ω) of the transfer matrix of a period at the complex angular frequency ω, rad/s, and Δ′(ω), s.
@@ -55,37 +55,40 @@ impl Chain {
     /// cos κh = Δ(ω). Roots on the imaginary axis that do not continue a wave (pure relaxation) are not found.
     ///
     /// # Errors
-    /// κh is not finite; the scheme has no such branch; the continuation does not converge, for instance at closed gaps.
+    /// κh is not finite; the scheme has no such branch; the continuation does not converge, for instance at closed
+    /// gaps.
     pub fn damped_frequency(
         &self,
         branch: usize,
         phase_shift: f64,
     ) -> Result<Complex64, BlochError> {
         ensure(phase_shift.is_finite(), "phase_shift", phase_shift, "a finite number")?;
-        let start = self.without_delay().frequency(branch, phase_shift)?;
+        let start = self.to_elastic().frequency(branch, phase_shift)?;
         if start == 0.0 || self.ensure_elastic().is_ok() {
             return Ok(Complex64::from(start));
         }
         let reduced = phase_shift.rem_euclid(TAU);
         let target = if reduced == PI { -1.0 } else { reduced.cr_cos() };
         let failed = BlochError::NotConverged { iteration: "the continuation of a damped wave" };
-        let (mut share, mut step) = (0.0, CONTINUATION_STEPS[0]);
+        let (mut delayed_share, mut step) = (0.0, CONTINUATION_STEP_RANGE[0]);
         let mut frequency = Complex64::from(start);
-        while share < 1.0 {
-            let next = f64::min(share + step, 1.0);
+        while delayed_share < 1.0 {
+            let next = f64::min(delayed_share + step, 1.0);
             match self.solve_newton(frequency, target, next) {
-                Some(root) if (root - frequency).norm() <= LARGEST_CHANGE * frequency.norm() => {
-                    (share, frequency) = (next, root);
+                Some(root)
+                    if (root - frequency).norm() <= MAX_RELATIVE_CHANGE * frequency.norm() =>
+                {
+                    (delayed_share, frequency) = (next, root);
                     step *= 1.5;
                 }
-                _ if step > CONTINUATION_STEPS[1] => step *= 0.5,
+                _ if step > CONTINUATION_STEP_RANGE[1] => step *= 0.5,
                 _ => return Err(failed),
             }
         }
         Ok(frequency)
     }
 
-    fn without_delay(&self) -> Self {
+    fn to_elastic(&self) -> Self {
         let mut chain = self.clone();
         for element in &mut chain.elements {
             if let ChainElement::Layer { compliance, .. } = element {
@@ -93,17 +96,17 @@ impl Chain {
             }
         }
         for factor in &mut chain.factors {
-            if let Factor::Box { delayed, .. } = factor {
+            if let TransferFactor::Box { delayed, .. } = factor {
                 *delayed = 0.0;
             }
         }
         chain
     }
 
-    fn solve_newton(&self, start: Complex64, target: f64, share: f64) -> Option<Complex64> {
+    fn solve_newton(&self, start: Complex64, target: f64, delayed_share: f64) -> Option<Complex64> {
         let mut frequency = start;
         for _ in 0..NEWTON_STEPS {
-            let [half_trace, slope] = self.transfer(frequency, share).half_trace();
+            let [half_trace, slope] = self.transfer(frequency, delayed_share).half_trace();
             let change = (half_trace - target) / slope;
             frequency -= change;
             if !frequency.is_finite() {

@@ -1,8 +1,8 @@
 //! Plane waves at normal incidence on a periodic stack of blocks and layers, by transfer matrices (Brillouin 1946).
 //!
 //! With velocity v and traction σ = is of a wave e^{iωt}, blocks and layers map (v, s) by matrices of determinant 1,
-//! real at real ω without viscosity. A block of length ℓ, wave speed c and impedance z = ρc turns by θ = ωℓ/c, a layer of
-//! mass m and compliance C = 1/K with the box scheme (Preissmann 1961) by ψ = 2 arctan(½ω√(mC)) at z′ = √(m/C):
+//! real at real ω without viscosity. A block of length ℓ, wave speed c and impedance z = ρc turns by θ = ωℓ/c, a layer
+//! of mass m and compliance C = 1/K with the box scheme (Preissmann 1961) by ψ = 2 arctan(½ω√(mC)) at z′ = √(m/C):
 //!
 //! ```text
 //! block [ cos θ, −(sin θ)/z ]      layer [ cos ψ, −(sin ψ)/z′ ]
@@ -23,13 +23,13 @@
 //! relation, exactly, with ω in the matrices of the layers replaced by (2/Δt) tan ½ωΔt; its frequencies end at π/Δt.
 //!
 //! Branches: T is an element of SL(2, ℝ), and its angle of rotation on the universal cover, the Bloch phase Φ(ω), never
-//! decreases with ω, since the energy is positive. It is Φ = jπ + κh or (j + 1)π − κh on branch j = 0, 1, …, for even and
-//! odd j, and an integer multiple of π in gaps. Bisection on Φ finds each branch, none twice.
+//! decreases with ω, since the energy is positive. It is Φ = jπ + κh or (j + 1)π − κh on branch j = 0, 1, …, for even
+//! and odd j, and an integer multiple of π in gaps. Bisection on Φ finds each branch, none twice.
 
 mod branches;
 mod damped;
 
-pub use branches::{BlochPhase, Gap};
+pub use branches::{BlochPhase, ChainGap};
 
 use super::{BlochError, ensure};
 use models::common::elementary::Elementary;
@@ -48,7 +48,7 @@ pub enum ChainPolarisation {
     Transverse,
 }
 
-/// Element of a period of a chain.
+/// Block or layer in a period of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ChainElement {
     /// Elastic block.
@@ -60,11 +60,11 @@ pub enum ChainElement {
         /// Impedance z = ρc, kg/(m²s).
         impedance: f64,
     },
-    /// Layer without extent.
+    /// Layer, without thickness along the chain.
     Layer {
-        /// Mass per area.
+        /// Mass per area, kg/m².
         mass: LayerMass<f64>,
-        /// Compliance.
+        /// Instantaneous and delayed compliance, m/Pa.
         compliance: LayerCompliance,
     },
 }
@@ -82,19 +82,19 @@ pub struct LayerCompliance {
 }
 
 impl LayerCompliance {
-    /// Compliance without viscosity, m/Pa.
+    /// Creates a compliance without viscosity, m/Pa.
     pub const fn new_elastic(compliance: f64) -> Self {
         Self { elastic: compliance, delayed: 0.0, retardation_time: 0.0 }
     }
 
-    /// Compliance C₀ + C₁ of slow loads, m/Pa.
+    /// Compliance C₀ + C₁ under slow loads, m/Pa.
     pub fn relaxed(&self) -> f64 {
         self.elastic + self.delayed
     }
 }
 
 impl ChainElement {
-    /// Block of the given length, m, for waves of a polarisation.
+    /// Element of a block of the given length, m, for waves of a polarisation.
     pub fn from_block(
         material: &BlockMaterial,
         length: f64,
@@ -107,7 +107,8 @@ impl ChainElement {
         Self::Block { length, speed, impedance: material.density * speed }
     }
 
-    /// Elastic layer with the mass distributed as in the box scheme, or lumped, for waves of a polarisation.
+    /// Element of an elastic layer, with the mass distributed as in the box scheme or lumped, for waves of a
+    /// polarisation.
     pub fn from_layer(
         material: &ElasticMaterial,
         is_lumped: bool,
@@ -154,13 +155,13 @@ impl ChainElement {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     elements: Vec<ChainElement>,
-    factors: Vec<Factor>,
+    factors: Vec<TransferFactor>,
     time_step: Option<f64>,
 }
 
 /// Factor of the transfer matrix, in units of the impedance of long waves Z = √(mass/compliance) of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Factor {
+enum TransferFactor {
     /// Travel time ℓ/c, s, and impedance z/Z.
     Block { time: f64, impedance: f64 },
     /// Mass m/Z, s.
@@ -184,13 +185,14 @@ impl Chain {
         for element in &chain.elements {
             match *element {
                 ChainElement::Block { length, speed, impedance } => {
-                    chain
-                        .factors
-                        .push(Factor::Block { time: length / speed, impedance: impedance / unit });
+                    chain.factors.push(TransferFactor::Block {
+                        time: length / speed,
+                        impedance: impedance / unit,
+                    });
                 }
                 ChainElement::Layer { mass, compliance } => {
-                    let outer = Factor::Mass(2.0 * mass.opening_mass / unit);
-                    let inner = Factor::Box {
+                    let outer = TransferFactor::Mass(2.0 * mass.opening_mass / unit);
+                    let inner = TransferFactor::Box {
                         mass: (mass.mass - 4.0 * mass.opening_mass) / unit,
                         elastic: compliance.elastic * unit,
                         delayed: compliance.delayed * unit,
@@ -206,7 +208,7 @@ impl Chain {
         Ok(chain)
     }
 
-    /// The chain as discretised with the time step Δt, s: blocks at Courant number 1, layers by the midpoint rule.
+    /// Chain discretised with the time step Δt, s: blocks at Courant number 1, layers by the midpoint rule.
     ///
     /// # Errors
     /// The step is not positive and finite.
@@ -250,12 +252,12 @@ impl Chain {
         let layer = self.layer_frequency(frequency);
         let mut product = Transfer::identity();
         for factor in &self.factors {
-            product = factor.transfer(frequency, layer, delayed_share).after(product);
+            product = factor.transfer(frequency, layer, delayed_share).multiply(product);
         }
         product
     }
 
-    /// The frequency in the matrices of layers, (2/Δt) tan ½ωΔt or ω, and its derivative.
+    /// Frequency in the matrices of layers, (2/Δt) tan ½ωΔt with a time step, else ω; and its derivative by ω.
     fn layer_frequency<T: Frequency>(&self, frequency: T) -> [T; 2] {
         let Some(step) = self.time_step else { return [frequency, T::from(1.0)] };
         let (sin, cos) = (frequency * T::from(0.5 * step)).sin_cos();
@@ -264,7 +266,7 @@ impl Chain {
     }
 }
 
-impl Factor {
+impl TransferFactor {
     fn transfer<T: Frequency>(
         &self,
         frequency: T,
@@ -294,7 +296,7 @@ impl Factor {
                     true => [T::from(elastic), zero],
                     false => {
                         let [denominator, rate] =
-                            [T::retardation(layer, time), T::retardation_rate(time)];
+                            [T::retardation_factor(layer, time), T::retardation_factor_slope(time)];
                         let delayed = T::from(delayed * delayed_share) / denominator;
                         [T::from(elastic) + delayed, -delayed * rate * slope / denominator]
                     }
@@ -337,8 +339,8 @@ impl<T: Frequency> Transfer<T> {
         Self { matrix: [one, zero, zero, one], derivative: [zero; 4] }
     }
 
-    /// The product `self` × `first`.
-    fn after(self, first: Self) -> Self {
+    /// Product `self` × `first`, and its derivative by the product rule.
+    fn multiply(self, first: Self) -> Self {
         let product = |[a, b, c, d]: [T; 4], [e, f, g, h]: [T; 4]| {
             [a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h]
         };
@@ -373,7 +375,7 @@ impl<T: Frequency> Transfer<T> {
     }
 }
 
-/// Real or complex angular frequency.
+/// Angular frequency, real or complex: the operations that transfer matrices need.
 trait Frequency:
     Copy
     + From<f64>
@@ -385,15 +387,15 @@ trait Frequency:
 {
     /// Absolute value.
     fn modulus(self) -> f64;
-    /// (sin, cos).
+    /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
-    /// 1 + iωτ.
-    fn retardation(frequency: Self, time: f64) -> Self;
-    /// iτ.
-    fn retardation_rate(time: f64) -> Self;
+    /// Factor 1 + iωτ of the retardation time τ = `time`.
+    fn retardation_factor(frequency: Self, time: f64) -> Self;
+    /// Derivative iτ of the factor 1 + iωτ by ω.
+    fn retardation_factor_slope(time: f64) -> Self;
 }
 
-/// Without viscosity only: the real part of the delayed compliance is that of slow loads.
+/// For chains without viscosity only: the factor 1 + iωτ is replaced by 1.
 impl Frequency for f64 {
     fn modulus(self) -> f64 {
         self.abs()
@@ -403,11 +405,11 @@ impl Frequency for f64 {
         self.cr_sin_cos()
     }
 
-    fn retardation(_: Self, _: f64) -> Self {
+    fn retardation_factor(_: Self, _: f64) -> Self {
         1.0
     }
 
-    fn retardation_rate(_: f64) -> Self {
+    fn retardation_factor_slope(_: f64) -> Self {
         0.0
     }
 }
@@ -423,11 +425,11 @@ impl Frequency for Complex64 {
         (Self::new(sin * cosh, cos * sinh), Self::new(cos * cosh, -sin * sinh))
     }
 
-    fn retardation(frequency: Self, time: f64) -> Self {
+    fn retardation_factor(frequency: Self, time: f64) -> Self {
         Self::new(1.0, 0.0) + Self::i() * frequency * time
     }
 
-    fn retardation_rate(time: f64) -> Self {
+    fn retardation_factor_slope(time: f64) -> Self {
         Self::new(0.0, time)
     }
 }

@@ -68,29 +68,30 @@ fn create_faces<T: Real, const D: usize>(
     if *boundary == Boundary::Periodic {
         return BoundaryFaces::Periodic;
     }
-    let slot = |cell: usize| {
+    let position_in_layer = |cell: usize| {
         let (index, lane) = layout.lane_index(cell);
         (index.group, lane)
     };
     let (layers, layer) = (layout.layers(), layout.layer_cells());
-    let of_layer = layer / layout.cells[axis];
+    let faces_per_layer = layer / layout.cells[axis];
     // Storage position (group and lane) of a face. First axis: faces packed in the order of the rows. Other axes: lane
     // of the adjacent cell, and its group within a layer (last axis) or within a row, with one row of groups for each
     // layer (middle axis).
-    let place = |face: usize| match axis {
+    let storage_position = |face: usize| match axis {
         0 => (face / T::Lanes::COUNT, face % T::Lanes::COUNT),
-        _ if axis + 1 == D => slot(face),
+        _ if axis + 1 == D => position_in_layer(face),
         _ => {
-            let (group, lane) = slot(face % of_layer);
-            (face / of_layer * layout.groups + group, lane)
+            let (group, lane) = position_in_layer(face % faces_per_layer);
+            (face / faces_per_layer * layout.groups + group, lane)
         }
     };
     let (count, groups) = match axis {
         0 => (layers * layout.rows, (layers * layout.rows).div_ceil(T::Lanes::COUNT)),
         _ if axis + 1 == D => (layer, layout.layer_groups()),
-        _ => (layers * of_layer, layers * layout.groups),
+        _ => (layers * faces_per_layer, layers * layout.groups),
     };
-    let faces: Vec<(usize, LaneIndex)> = (0..count).map(|face| (face, place(face))).collect();
+    let faces: Vec<(usize, LaneIndex)> =
+        (0..count).map(|face| (face, storage_position(face))).collect();
     let is_at_end = |load: &&Load| (load.axis, load.end) == (axis, end);
     let loads: Vec<&Load> = problem.loads.iter().filter(is_at_end).collect();
     let pairs = problem.media[0].pairs[axis].len();

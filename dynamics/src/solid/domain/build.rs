@@ -6,8 +6,8 @@ use super::curvilinear::{CurvatureRotations, RowConstants};
 use super::diagnostics::Diagnostics;
 use super::fluid::FluidStage;
 use super::interlayer_faces::LaneInterlayers;
+use super::lane_laws::{LaneLaws, has_coupled_fields, rotated_field_offsets};
 use super::layout::{Layout, groups_per_row, pitch};
-use super::local_laws::{LocalLaws, has_coupled_fields, rotated_field_offsets};
 use super::materials::Materials;
 use super::schedule::{CHUNK_SIZE, Schedule, TileSizes};
 use super::sources::{CellSource, Sources};
@@ -24,22 +24,22 @@ impl<const D: usize> Layout<D> {
     /// Creates the layout of a region of a problem.
     fn new<T: Real>(problem: &Problem<D>, region: &Region<D>) -> Self {
         let cells = region.cells();
-        let own: [Range<usize>; D] = std::array::from_fn(|axis| {
-            let [front, behind] = region.halo(axis);
-            front..cells[axis] - behind
+        let owned: [Range<usize>; D] = std::array::from_fn(|axis| {
+            let [lower, upper] = region.halo(axis);
+            lower..cells[axis] - upper
         });
         let groups = groups_per_row::<T, D>(problem, cells[0]);
         let lanes = |group: usize| {
-            let is_own = |lane: usize| own[0].contains(&(lane * groups + group));
-            (0..T::Lanes::COUNT).map(|lane| u16::from(is_own(lane)) << lane).sum()
+            let is_owned = |lane: usize| owned[0].contains(&(lane * groups + group));
+            (0..T::Lanes::COUNT).map(|lane| u16::from(is_owned(lane)) << lane).sum()
         };
         let pitch = pitch(groups);
         Self {
             cells,
             owned_lanes: (0..groups).map(lanes).collect(),
-            owned: own,
+            owned,
             is_periodic_in_place: region.halo(D - 1) != [0, 0]
-                && region.is_cut(D - 1) == [false; 2],
+                && region.has_neighbours(D - 1) == [false; 2],
             field_count: problem.fields().len(),
             groups,
             pitch,
@@ -53,27 +53,31 @@ impl<const D: usize> Layout<D> {
 ///
 /// In a pass of one step these are the fields that the second sweep along the last axis reads, and the fields that
 /// rotate with them. All fields are exchanged in the plane, where a pass may have two steps, for alternating sweeps,
-/// and if a local law couples all fields ([`has_coupled_fields`]).
+/// and if a cell law couples all fields ([`has_coupled_fields`]).
 fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
     let fields = &problem.fields();
     let whole_state = D == 2 || scheme.is_alternating() || has_coupled_fields(problem);
-    let place =
+    let offset =
         |field: SolidField| fields.iter().position(|own| *own == field).map(|own| own * pitch);
-    let is_read = |of: &usize| {
+    let is_read = |field_offset: &usize| {
         let mut pairs = media[0].pairs[D - 1].iter();
-        pairs
-            .any(|pair| [pair.velocity, pair.stress].into_iter().any(|own| place(own) == Some(*of)))
+        pairs.any(|pair| {
+            [pair.velocity, pair.stress]
+                .into_iter()
+                .any(|field| offset(field) == Some(*field_offset))
+        })
     };
     let rotated = rotated_field_offsets(fields, pitch);
-    let is_rotated_with_read =
-        |of: &usize| rotated.iter().any(|triple| triple.contains(of) && triple.iter().any(is_read));
+    let is_rotated_with_read = |offset: &usize| {
+        rotated.iter().any(|triple| triple.contains(offset) && triple.iter().any(is_read))
+    };
     let mut exchanged: Vec<Range<usize>> = Vec::new();
-    for place in (0..fields.len()).map(|index| index * pitch) {
-        if whole_state || is_read(&place) || is_rotated_with_read(&place) {
+    for offset in (0..fields.len()).map(|index| index * pitch) {
+        if whole_state || is_read(&offset) || is_rotated_with_read(&offset) {
             match exchanged.last_mut() {
-                Some(last) if last.end == place => last.end += pitch,
-                _ => exchanged.push(place..place + pitch),
+                Some(last) if last.end == offset => last.end += pitch,
+                _ => exchanged.push(offset..offset + pitch),
             }
         }
     }
@@ -125,7 +129,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (*axis, coordinates.map(|place| stress[place]).collect())
         });
         let reflects = problem.scheme.plastic_step == PlasticStep::MidpointReflection;
-        let mut law = LocalLaws::new(
+        let mut law = LaneLaws::new(
             &materials,
             &patterns,
             (layout.groups, layout.pitch),
@@ -159,7 +163,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             field_data,
             diagnostics: Diagnostics::new::<T, D>(&layout, problem, fields, max_pass_steps)?,
             buffers: Buffers::new(&layout, pairs, 2 * max_pass_steps, law.has_double_blocks()),
-            local_laws: law,
+            lane_laws: law,
             layout,
             materials,
         })

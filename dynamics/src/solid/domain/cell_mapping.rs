@@ -10,7 +10,7 @@ use crate::solid::problem::Problem;
 /// Yield sets in SIMD lanes, and a buffer of one group.
 #[derive(Clone)]
 pub(crate) struct CellMapping<T: SolverReal> {
-    /// Yield sets by medium.
+    /// Yield sets in lanes, one pattern per medium.
     yield_sets: YieldSets<T>,
     has_yield_set: Vec<bool>,
     /// Buffer of one group: values by field.
@@ -43,7 +43,7 @@ impl<T: SolverReal> CellMapping<T> {
         let mapping = ProjectionKernel {
             field_data: &mut self.field_values,
             lane_pattern_indices: &[medium.into()],
-            sets: &self.yield_sets,
+            yield_sets: &self.yield_sets,
             has_yield_set: &self.has_yield_set,
             dissipation: &mut dissipation,
             scalar_lanes: &mut scalar_lanes,

@@ -60,11 +60,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub fn field_deviations(&self, cells: &[usize]) -> Vec<f64> {
         let boundaries = self.closing_boundaries();
         let count = self.fields().len();
-        let of_cell = |cell: &usize| {
-            let own = self.complete_cell(self.layout.local_cell(*cell), boundaries.as_ref());
-            own[..count].iter().map(|value| value.to_f64()).collect::<Vec<f64>>()
+        let cell_deviations = |cell: &usize| {
+            let values = self.complete_cell(self.layout.local_cell(*cell), boundaries.as_ref());
+            values[..count].iter().map(|value| value.to_f64()).collect::<Vec<f64>>()
         };
-        cells.iter().flat_map(of_cell).collect()
+        cells.iter().flat_map(cell_deviations).collect()
     }
 
     /// Returns the state of a cell (index among all cells, halo included) at the time of the domain: the stored state
@@ -81,10 +81,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         let pattern = self.materials.lane_pattern_indices[self.layout.lane_index(cell).0.group];
         let lane = self.layout.lane_index(cell).1;
-        for pair in 0..self.materials.quarter_waves.len() {
+        for pair in 0..self.materials.quarter_step_waves.len() {
             let (wave, boundaries, fraction) = match self.is_near_reflecting_boundary(cell, pair) {
                 true => (&self.materials.waves[0][pair], &boundaries.half_step, T::HALF),
-                false => (&self.materials.quarter_waves[pair], &boundaries.quarter_step, T::ONE),
+                false => {
+                    (&self.materials.quarter_step_waves[pair], &boundaries.quarter_step, T::ONE)
+                }
             };
             let (mut velocity, mut stress, cells) =
                 self.load_stencil(cell, (pair, wave), boundaries);
@@ -164,9 +166,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 }
                 return (mirror_state(face_rule(ghost_rule), source), inner);
             }
-            let inside =
+            let outer_cells =
                 std::array::from_fn(|depth| if end == 0 { depth } else { length - 1 - depth });
-            let (outer_states, media) = (inside.map(state), inside.map(constants));
+            let (outer_states, media) = (outer_cells.map(state), outer_cells.map(constants));
             let coefficients = GhostCoefficients::new(&media[0]);
             let media = media.each_ref();
             let ghost_states = compute_ghosts(
@@ -179,25 +181,26 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             );
             (ghost_states[depth], inner)
         };
-        let at = |offset: usize| {
-            let place = (x + offset) as isize - GHOSTS as isize;
-            match usize::try_from(place) {
+        let state_and_constants = |offset: usize| {
+            let position = (x + offset) as isize - GHOSTS as isize;
+            match usize::try_from(position) {
                 Ok(x) if x < length => (state(x), constants(x)),
                 Ok(x) => {
                     let (state, inner) = ghost_state(1, x - length);
                     (state, constants(inner))
                 }
                 Err(_) => {
-                    let (state, inner) = ghost_state(0, place.unsigned_abs() - 1);
+                    let (state, inner) = ghost_state(0, position.unsigned_abs() - 1);
                     (state, constants(inner))
                 }
             }
         };
-        let all: [(State<T>, CellConstants<T>); STENCIL_CELLS] = std::array::from_fn(at);
+        let stencil: [(State<T>, CellConstants<T>); STENCIL_CELLS] =
+            std::array::from_fn(state_and_constants);
         (
-            all.map(|cell_values| cell_values.0.velocity),
-            all.map(|cell_values| cell_values.0.stress),
-            all.map(|cell_values| cell_values.1),
+            stencil.map(|cell_values| cell_values.0.velocity),
+            stencil.map(|cell_values| cell_values.0.stress),
+            stencil.map(|cell_values| cell_values.1),
         )
     }
 }

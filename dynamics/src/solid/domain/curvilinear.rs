@@ -10,7 +10,7 @@ use super::material_table::{MaterialTable, WavePair};
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
-use crate::solid::cell_laws::Interval;
+use crate::solid::cell_laws::LawInterval;
 use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::Medium;
 use crate::solid::metric::{CurvatureRotation, rotate_pair_by_curvature};
@@ -48,19 +48,19 @@ impl<T: Real> RowConstants<T> {
         let waves: Vec<_> =
             waves.map(|(pair, own)| WavePair { constants_index: pair, ..own.clone() }).collect();
         let cells_of = |spacing: &f64| {
-            let of_medium = |medium: &Medium| {
+            let medium_constants = |medium: &Medium| {
                 let cell = |pair: &models::solid::waves::VelocityStressPair| {
                     let courant = pair.speed() * (0.5 * problem.step / spacing);
                     problem.scheme.slopes.cell_constants(pair, courant, problem.has_interfaces())
                 };
                 medium.pairs[0].iter().map(cell).collect()
             };
-            problem.media.iter().map(of_medium).collect()
+            problem.media.iter().map(medium_constants).collect()
         };
         let count = patterns.len() * waves.len();
         Some(Self {
             table: MaterialTable {
-                // Filled by `fill_table`.
+                // Placeholder, overwritten by `fill_table`.
                 cell_constants: vec![table.cell_constants[0]; count],
                 cells_per_pattern: waves.len(),
                 ghost_coefficients: Vec::new(),
@@ -81,8 +81,8 @@ impl<T: Real> RowConstants<T> {
                 continue;
             }
             let (media, cells) = (&self.patterns[pattern], &self.cell_constants[layer]);
-            let own = self.table.cell_constants[pattern * self.waves.len()..].iter_mut();
-            for (pair, lanes) in own.take(self.waves.len()).enumerate() {
+            let row_constants = self.table.cell_constants[pattern * self.waves.len()..].iter_mut();
+            for (pair, lanes) in row_constants.take(self.waves.len()).enumerate() {
                 for (lane, medium) in media.iter().enumerate() {
                     lanes.set_lane(lane, &cells[usize::from(*medium)][pair]);
                 }
@@ -98,7 +98,7 @@ impl<T: Real> RowConstants<T> {
 /// Rotation plane of the curvature of rows ([`CurvatureRotation`], with its symbols) in SIMD lanes.
 #[derive(Clone)]
 struct RotationPlane<T: Real> {
-    /// Offset of the velocity or spin v.
+    /// Offset of the velocity or spin v in a row, in groups.
     velocity: usize,
     /// Offsets of stresses, and entries of the weights q.
     weights: Vec<(usize, T)>,
@@ -107,7 +107,7 @@ struct RotationPlane<T: Real> {
     /// Rotation coefficients by lane pattern, for the layer and the interval of
     /// [`CurvatureRotations::filled_intervals`].
     coefficients: Vec<[T::Lanes; 4]>,
-    /// Rotation coefficients by layer, [`Interval`] and medium.
+    /// Rotation coefficients by layer, [`LawInterval`] and medium.
     layer_coefficients: Vec<[Vec<[T; 4]>; 2]>,
 }
 
@@ -118,7 +118,7 @@ pub(super) struct CurvatureRotations<T: Real> {
     patterns: Vec<Vec<u16>>,
     /// By lane pattern, the layer and the interval for which the rotation coefficients are filled; `None` before the
     /// first.
-    filled_intervals: Vec<Option<(usize, Interval)>>,
+    filled_intervals: Vec<Option<(usize, LawInterval)>>,
 }
 
 impl<T: Real> CurvatureRotations<T> {
@@ -131,30 +131,32 @@ impl<T: Real> CurvatureRotations<T> {
         layers: &[usize],
     ) -> Option<Self> {
         let curvature = &problem.metric.as_ref().filter(|own| !own.curvature.is_empty())?.curvature;
-        let of_media: Vec<_> = problem.media.iter().map(CurvatureRotation::from_medium).collect();
+        let rotations_by_medium: Vec<_> =
+            problem.media.iter().map(CurvatureRotation::from_medium).collect();
         let plane = |index: usize| {
-            let planes: Vec<&CurvatureRotation> = of_media.iter().map(|own| &own[index]).collect();
+            let planes: Vec<&CurvatureRotation> =
+                rotations_by_medium.iter().map(|own| &own[index]).collect();
             let lanes = |pattern: &Vec<u16>, place: usize| {
                 T::Lanes::from_lanes(|lane| {
                     T::from_f64(planes[usize::from(pattern[lane])].modulus(place))
                 })
             };
-            let mut places: Vec<usize> =
+            let mut stress_indices: Vec<usize> =
                 planes.iter().flat_map(|own| &own.moduli).map(|own| own.0).collect();
-            places.sort_unstable();
-            places.dedup();
-            let moduli = places.into_iter().map(|place| {
+            stress_indices.sort_unstable();
+            stress_indices.dedup();
+            let moduli = stress_indices.into_iter().map(|place| {
                 (place * pitch, patterns.iter().map(|own| lanes(own, place)).collect())
             });
             let weights = planes[0].weights.iter();
             let constants = |layer: &usize| {
-                Interval::evaluate_both(|step_fraction| {
-                    let own = |plane: &&CurvatureRotation| {
+                LawInterval::evaluate_both(|step_fraction| {
+                    let coefficients = |plane: &&CurvatureRotation| {
                         plane
                             .coefficients(curvature[*layer], step_fraction * problem.step)
                             .map(T::from_f64)
                     };
-                    planes.iter().map(own).collect()
+                    planes.iter().map(coefficients).collect()
                 })
             };
             RotationPlane {
@@ -166,7 +168,7 @@ impl<T: Real> CurvatureRotations<T> {
             }
         };
         Some(Self {
-            planes: (0..of_media[0].len()).map(plane).collect(),
+            planes: (0..rotations_by_medium[0].len()).map(plane).collect(),
             patterns: patterns.to_vec(),
             filled_intervals: vec![None; patterns.len()],
         })
@@ -176,7 +178,7 @@ impl<T: Real> CurvatureRotations<T> {
     fn fill_coefficients(
         &mut self,
         layer: usize,
-        interval: Interval,
+        interval: LawInterval,
         lane_pattern_indices: &[u32],
     ) {
         for pattern in lane_pattern_indices.iter().map(|pattern| *pattern as usize) {
@@ -186,9 +188,11 @@ impl<T: Real> CurvatureRotations<T> {
             }
             for plane in &mut self.planes {
                 for (lane, medium) in self.patterns[pattern].iter().enumerate() {
-                    let own =
+                    let medium_coefficients =
                         plane.layer_coefficients[layer][interval as usize][usize::from(*medium)];
-                    for (lanes, value) in plane.coefficients[pattern].iter_mut().zip(own) {
+                    for (lanes, value) in
+                        plane.coefficients[pattern].iter_mut().zip(medium_coefficients)
+                    {
                         lanes.lanes_mut()[lane] = value;
                     }
                 }
@@ -220,9 +224,9 @@ impl<T: Real> SimdKernel<T> for CurvatureKernel<'_, T> {
                 let v = V::load(&group[plane.velocity]);
                 let [v, strain] = rotate_pair_by_curvature(constants, v, y);
                 v.store(&mut group[plane.velocity]);
-                for (place, moduli) in &plane.moduli {
-                    let own = V::load(&group[*place]);
-                    (own - V::load(&moduli[pattern]) * strain).store(&mut group[*place]);
+                for (offset, moduli) in &plane.moduli {
+                    let stress = V::load(&group[*offset]);
+                    (stress - V::load(&moduli[pattern]) * strain).store(&mut group[*offset]);
                 }
             }
         }
@@ -235,9 +239,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         layers: &Range<usize>,
         tile: &RowSegment,
-        interval: Interval,
+        interval: LawInterval,
     ) {
-        let Some(rotation) = &mut self.local_laws.curvature_rotations else { return };
+        let Some(rotation) = &mut self.lane_laws.curvature_rotations else { return };
         for layer in layers.clone() {
             let (first, groups) = self.layout.segment_groups(layer, tile);
             let lane_pattern_indices = &self.materials.lane_pattern_indices[groups];
@@ -254,12 +258,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(super) fn fill_row_constants(&mut self, row: usize) {
         let Some(spacing) = &mut self.materials.row_constants else { return };
         let groups = row * self.layout.groups..(row + 1) * self.layout.groups;
-        let own = self.materials.lane_pattern_indices[groups].iter().copied();
+        let group_patterns = self.materials.lane_pattern_indices[groups].iter().copied();
         let ghosts =
             self.materials.ghost_pattern_indices.get(row).copied().unwrap_or([0; 2 * GHOSTS]);
         // With one lane pattern `ghost_pattern_indices` is empty, and the row has that pattern.
         let ghosts =
             ghosts.into_iter().filter(|_| !self.materials.ghost_pattern_indices.is_empty());
-        spacing.fill_table(row, own.chain(ghosts));
+        spacing.fill_table(row, group_patterns.chain(ghosts));
     }
 }

@@ -15,9 +15,9 @@ pub(super) struct Diagnostics {
     pub(super) work: WorkSums,
     /// Dissipation of the laws of cells, by group and lane.
     pub(super) dissipation: CellDissipation,
-    /// Offsets of the integrated velocities and spins, and by cell the sums of their time integrals: for two-cyclic sweeps
-    /// by the trapezoidal rule without its end correction −½Δt × last value, which output adds; for alternating sweeps by
-    /// the midpoint rule.
+    /// Offsets of the integrated velocities and spins, and by cell the sums of their time integrals: for two-cyclic
+    /// sweeps by the trapezoidal rule without its end correction −½Δt × last value, which output adds; for alternating
+    /// sweeps by the midpoint rule.
     pub(super) time_integrals: Vec<(usize, Vec<f64>)>,
     /// Owned cells that are recorded after each step, in ascending order.
     pub(super) watched_cells: Vec<usize>,
@@ -38,12 +38,15 @@ impl Diagnostics {
     ) -> Result<Self, DomainError> {
         let cells = layout.layers() * layout.layer_cells();
         let lanes = layout.layers() * layout.layer_groups() * T::Lanes::COUNT;
-        let place = |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
-        let integrals = problem.integrated_fields.iter().filter_map(|&field| place(field));
+        let field_offset =
+            |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
+        let integrals = problem.integrated_fields.iter().filter_map(|&field| field_offset(field));
         Ok(Self {
             work: WorkSums::default(),
             dissipation: CellDissipation::new(problem, || allocate_zeros(lanes))?,
-            time_integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
+            time_integrals: integrals
+                .map(|field_offset| (field_offset, vec![0.0; cells]))
+                .collect(),
             watched_cells: Vec::new(),
             records: vec![Vec::new(); max_pass_steps],
         })

@@ -1,7 +1,8 @@
-//! Fluid in saturated interlayers: a stage in the middle of the step.
+//! Flow of the fluid in saturated interlayers: a stage in the middle of a time step.
 //!
-//! The flow along a layer couples cells in all directions, unlike the sweeps: a step with fluid passes all layers of the
-//! grid in two parts, before and after the stage, instead of tile by tile.
+//! The flow along interlayers couples cells in all directions, unlike sweeps. In a step with fluid, all layers of the
+//! grid therefore pass the first stage of the step, then the fluid is advanced, then all layers pass the other stages;
+//! there are no tiles.
 
 use super::halo::HaloExchange;
 use super::interlayer_faces::{HistorySite, LaneInterlayers};
@@ -20,11 +21,12 @@ use crate::solid::region::Region;
 #[derive(Clone)]
 pub(super) struct FluidStage<T> {
     network: FluidNetwork<T>,
+    /// By cell of the network, the site of the history variables of its face.
     sites: Vec<HistorySite>,
 }
 
 impl<T: Real> FluidStage<T> {
-    /// Creates the network of a region of a problem; `None` without saturated interlayers.
+    /// Creates the stage for a region of a problem; `None` without saturated interlayers.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         layout: &Layout<D>,
@@ -35,7 +37,7 @@ impl<T: Real> FluidStage<T> {
             return None;
         }
         let [first, second] = [0, 1];
-        let at_boundary = |axis: usize, end: usize| {
+        let is_at_boundary = |axis: usize, end: usize| {
             region.halo(axis)[end] == 0 && problem.boundaries[axis][0] != Boundary::Periodic
         };
         let grid = NetworkGrid {
@@ -45,19 +47,19 @@ impl<T: Real> FluidStage<T> {
                 problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
             }),
             is_open: [first, second].map(|axis| {
-                [0, 1].map(|end| at_boundary(axis, end) && problem.has_open_layers_along(axis))
+                [0, 1].map(|end| is_at_boundary(axis, end) && problem.has_open_layers_along(axis))
             }),
         };
-        let all = layout.cells.map(|count| 0..count);
+        let all_cells = layout.cells.map(|count| 0..count);
         let law = |site: &HistorySite| match interlayers.law(site) {
             Some(InterlayerLaw::Plane(law, _)) if law.fluid().is_some() => Some(*law),
             _ => None,
         };
-        let mut sites = interlayers.sites_in_box(layout, &all);
+        let mut sites = interlayers.sites_in_box(layout, &all_cells);
         sites.retain(|site| law(site).is_some());
         let position = |site: &HistorySite| {
-            let place = [site.cell % grid.cells[0], site.cell / grid.cells[0]];
-            ((site.axis, place), law(site))
+            let coordinates = [site.cell % grid.cells[0], site.cell / grid.cells[0]];
+            ((site.axis, coordinates), law(site))
         };
         let faces = sites.iter().map(position);
         let faces = faces.filter_map(|(position, law)| Some((position, law?)));
@@ -67,7 +69,7 @@ impl<T: Real> FluidStage<T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Advances all fields by a step with the stage of the fluid in its middle.
+    /// Advances all fields by a time step, with the flow of the fluid in the middle of the step.
     ///
     /// # Errors
     /// Errors of the halo exchange.
@@ -75,7 +77,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let (all, own, rows) = (self.layout.layers(), self.layout.owned_layers(), self.layout.rows);
+        let (layer_count, owned, rows) =
+            (self.layout.layers(), self.layout.owned_layers(), self.layout.rows);
         let block = 0..rows;
         self.sweep_and_send(&block, &block, neighbours)?;
         if self.layout.is_periodic_in_place {
@@ -85,31 +88,35 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.receive_layers(end, &block, neighbours)?;
         }
         // Each sweep reads GHOSTS layers beyond those it writes.
-        let needed = std::array::from_fn(|stage| {
-            let beyond = (2 - stage) * GHOSTS;
-            own.start.saturating_sub(beyond)..all.min(own.end + beyond)
+        let stage_layers = std::array::from_fn(|stage| {
+            let margin = (2 - stage) * GHOSTS;
+            owned.start.saturating_sub(margin)..layer_count.min(owned.end + margin)
         });
         let empty = |stage: usize| -> std::ops::Range<usize> {
-            let range: &std::ops::Range<usize> = &needed[stage];
+            let range: &std::ops::Range<usize> = &stage_layers[stage];
             range.start..range.start
         };
-        let before = [needed[0].clone(), empty(1), empty(2)];
-        let after = [empty(0), needed[1].clone(), needed[2].clone()];
-        let stages =
-            |layers| StepStages { layers, pass_layers: &needed, block: &block, first_half: 0 };
-        T::advance_layers(self, &stages(&before));
+        let layers_before_fluid = [stage_layers[0].clone(), empty(1), empty(2)];
+        let layers_after_fluid = [empty(0), stage_layers[1].clone(), stage_layers[2].clone()];
+        let stages = |layers| StepStages {
+            layers,
+            pass_layers: &stage_layers,
+            block: &block,
+            first_half: 0,
+        };
+        T::advance_layers(self, &stages(&layers_before_fluid));
         self.advance_fluid();
-        T::advance_layers(self, &stages(&after));
-        self.record_completed_layers(&needed[2], 0);
+        T::advance_layers(self, &stages(&layers_after_fluid));
+        self.record_completed_layers(&stage_layers[2], 0);
         Ok(())
     }
 
-    /// Advances the flow along the layers by Δt.
+    /// Advances the flow of the fluid along all saturated interlayers by the time step Δt.
     fn advance_fluid(&mut self) {
         let Some(FluidStage { mut network, sites }) = self.fluid.take() else { return };
         for (history, site) in network.history_mut().iter_mut().zip(&sites) {
-            for (own, value) in history.iter_mut().zip(self.interfaces.history(site)) {
-                *own = value;
+            for (variable, value) in history.iter_mut().zip(self.interfaces.history(site)) {
+                *variable = value;
             }
         }
         network.advance(self.step);

@@ -33,7 +33,9 @@ pub(crate) struct ImageGhostKernel<'a, T: Real> {
     pub(crate) ghost_rules: [Option<&'a GhostRule<T>>; 2],
     /// Data indices of the first line's source group and of its ghost; the other lines follow group by group.
     pub(crate) source_and_ghost: [usize; 2],
+    /// Number of groups of lines.
     pub(crate) lines: usize,
+    /// Index of the first group of lines among the face groups of the boundary.
     pub(crate) face: usize,
 }
 
@@ -71,7 +73,9 @@ pub(crate) struct OneSidedGhostKernel<'a, T: Real> {
     pub(crate) outer_cells: [usize; CLOSURE_CELLS],
     /// By depth, the data index of the ghost of the first line.
     pub(crate) ghosts: [usize; GHOSTS],
+    /// Number of groups of lines.
     pub(crate) lines: usize,
+    /// Index of the first group of lines among the face groups of the boundary.
     pub(crate) face: usize,
     pub(crate) table: &'a MaterialTable<T>,
     /// By depth, indices of the lane patterns of the groups, from the group of the first line on.

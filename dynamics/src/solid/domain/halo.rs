@@ -18,10 +18,10 @@ use std::ops::Range;
 /// deadlock: a pass sends all that its neighbours need for a block of rows before it receives their layers of the same
 /// block.
 pub trait HaloExchange<T> {
-    /// Error of a failed exchange.
+    /// Error of an exchange that failed.
     type Error;
 
-    /// Sends ranges of the data to the neighbour at an end of an axis.
+    /// Sends ranges of `values` to the neighbour at an end of an axis (0: lower, 1: upper).
     ///
     /// # Errors
     /// The neighbour cannot be reached.
@@ -29,11 +29,11 @@ pub trait HaloExchange<T> {
         &mut self,
         axis: usize,
         end: usize,
-        data: &[T],
+        values: &[T],
         ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Self::Error>;
 
-    /// Receives the next message of that neighbour into ranges of the data.
+    /// Receives the next message of the neighbour at an end of an axis into ranges of `values`.
     ///
     /// # Errors
     /// The neighbour cannot be reached, or does not send any more.
@@ -41,7 +41,7 @@ pub trait HaloExchange<T> {
         &mut self,
         axis: usize,
         end: usize,
-        data: &mut [T],
+        values: &mut [T],
         ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Self::Error>;
 }
@@ -76,11 +76,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// first of them.
     pub fn message_capacity(&self, axis: usize) -> usize {
         // Along the last axis interlayers have separate messages.
-        let kinds = if self.interfaces.has_interlayers() { 2 } else { 1 };
+        let messages_per_layer = if self.interfaces.has_interlayers() { 2 } else { 1 };
         match axis + 1 == D {
             // A neighbour may be one block of rows ahead.
-            true => kinds * 2 * self.layout.halo(axis).into_iter().max().unwrap_or(0),
-            false => kinds * 2,
+            true => messages_per_layer * 2 * self.layout.halo(axis).into_iter().max().unwrap_or(0),
+            false => messages_per_layer * 2,
         }
     }
 
@@ -93,8 +93,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         ready: &Range<usize>,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let own = self.layout.owned_layers();
-        for layer in own.clone() {
+        let owned = self.layout.owned_layers();
+        for layer in owned.clone() {
             if !self.layout.is_in_any_halo(layer) {
                 continue;
             }
@@ -104,7 +104,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 loaded = rows.end;
                 T::sweep_layer(self, layer, rows);
             }
-            let depths = [layer - own.start, own.end - 1 - layer];
+            let depths = [layer - owned.start, owned.end - 1 - layer];
             let halo = self.layout.halo(D - 1);
             for end in (0..2).filter(|end| depths[*end] < halo[*end]) {
                 neighbours.send(
@@ -143,9 +143,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Fills rows of the halo along the last axis with the periodic images of the owned layers.
     pub(super) fn fill_periodic_halo(&mut self, rows: &Range<usize>) {
-        let (own, layers) = (self.layout.owned_layers(), self.layout.layers());
-        for index in (0..own.start).chain(own.end..layers) {
-            let source = own.start + (index + own.len() * own.start - own.start) % own.len();
+        let (owned, layers) = (self.layout.owned_layers(), self.layout.layers());
+        for index in (0..owned.start).chain(owned.end..layers) {
+            let source =
+                owned.start + (index + owned.len() * owned.start - owned.start) % owned.len();
             let [from, to] = [source, index].map(|layer| self.layout.data_range(layer, rows));
             self.field_data.copy_within(from, to.start);
             let [from, to] = [source, index]
@@ -171,8 +172,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             }
             for end in ends() {
                 self.unpack(&self.layout.halo_box(axis, end, false), |buffer| {
-                    let all = 0..buffer.len();
-                    neighbours.receive(axis, end, buffer, std::iter::once(all))
+                    let whole_buffer = 0..buffer.len();
+                    neighbours.receive(axis, end, buffer, std::iter::once(whole_buffer))
                 })?;
             }
         }
@@ -235,9 +236,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut from = buffer.iter().flat_map(|group| group.lanes()).copied();
         for cell in self.layout.cells_in_box(cells) {
             let (index, lane) = self.layout.lane_index(cell);
-            let places = (0..self.layout.field_count).map(|place| place * self.layout.pitch);
-            for (place, value) in places.zip(&mut from) {
-                self.field_data[index.start + place].lanes_mut()[lane] = value;
+            let offsets = (0..self.layout.field_count).map(|field| field * self.layout.pitch);
+            for (offset, value) in offsets.zip(&mut from) {
+                self.field_data[index.start + offset].lanes_mut()[lane] = value;
             }
         }
         for site in self.interfaces.sites_in_box(&self.layout, cells) {

@@ -41,9 +41,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// causes no waves.
     pub fn initialise_interlayers(&mut self) {
         let (cells, layout) = (self.grid.cells, self.layout.clone());
-        let place = |field: SolidField| self.field_offset(field);
+        let offset = |field: SolidField| self.field_offset(field);
         let value = |field: SolidField, cell: usize| {
-            place(field).map_or(T::ZERO, |place| self.value_at(layout.local_cell(cell), place))
+            offset(field).map_or(T::ZERO, |offset| self.value_at(layout.local_cell(cell), offset))
         };
         let history = self.initial_interlayer_history(&cells, |cell| cell, value);
         self.set_interlayer_history(&mut history.into_iter());
@@ -54,23 +54,23 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(crate) fn initial_interlayer_history(
         &self,
         cells: &[usize; D],
-        in_grid: impl Fn(usize) -> usize,
+        grid_index: impl Fn(usize) -> usize,
         value: impl Fn(SolidField, usize) -> T,
     ) -> Vec<T> {
-        let mut all = Vec::new();
+        let mut history = Vec::new();
         for site in self.interfaces.owned_sites(&self.layout) {
-            let start = all.len();
-            all.resize(start + self.interfaces.variables(site.axis), T::ZERO);
-            let cell = self.layout.owned_index(site.cell).map(&in_grid);
+            let start = history.len();
+            history.resize(start + self.interfaces.variables(site.axis), T::ZERO);
+            let cell = self.layout.owned_index(site.cell).map(&grid_index);
             let (Some(cell), Some(law)) = (cell, self.interfaces.law(&site)) else { continue };
-            let sides = [lower_neighbour(cells, site.axis, cell), cell];
+            let adjacent_cells = [lower_neighbour(cells, site.axis, cell), cell];
             let pairs = &self.materials.media[0].pairs[site.axis];
             let velocity = |pair: usize, side: usize| {
-                pairs.get(pair).map_or(T::ZERO, |pair| value(pair.velocity, sides[side]))
+                pairs.get(pair).map_or(T::ZERO, |pair| value(pair.velocity, adjacent_cells[side]))
             };
-            initialise_history(law, pairs.len(), velocity, &mut all[start..]);
+            initialise_history(law, pairs.len(), velocity, &mut history[start..]);
         }
-        all
+        history
     }
 
     /// Returns the owned cell above the first interlayer with a non-finite history variable, and the velocity normal to

@@ -36,12 +36,12 @@ impl RowSegment {
     }
 }
 
-/// Position of a group: in lists by group, and in the data.
+/// Position of a group: its index in lists by group, and that of its first field among all field values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GroupIndex {
     /// Index of the group among all groups.
     pub(crate) group: usize,
-    /// Index of its first field in the data; the other fields follow at multiples of the pitch.
+    /// Index of its first field among all field values; the other fields follow at multiples of the pitch.
     pub(crate) start: usize,
 }
 
@@ -56,7 +56,7 @@ impl GroupIndex {
     }
 }
 
-/// Shape of a domain and order of its data: by row, field and group.
+/// Shape of a domain and memory layout of its field values: by row, field and group.
 #[derive(Clone, Debug)]
 pub(super) struct Layout<const D: usize> {
     /// Number of cells along each axis, halo included.
@@ -67,7 +67,7 @@ pub(super) struct Layout<const D: usize> {
     pub(super) owned_lanes: Vec<u16>,
     /// Whether the halo along the last axis is filled from the owned layers (periodic, without neighbouring subdomain).
     pub(super) is_periodic_in_place: bool,
-    /// Number of fields.
+    /// Number of fields of a cell.
     pub(super) field_count: usize,
     /// Number of groups of a row.
     pub(super) groups: usize,
@@ -148,14 +148,14 @@ impl<const D: usize> Layout<D> {
 
     /// Converts the index of a cell among all cells to that among owned cells; `None` for a cell of the halo.
     pub(super) fn owned_index(&self, cell: usize) -> Option<usize> {
-        let (mut rest, mut owned_index, mut stride) = (cell, 0, 1);
+        let (mut remaining_index, mut owned_index, mut stride) = (cell, 0, 1);
         for (owned, count) in self.owned.iter().zip(self.cells) {
-            let position = rest % count;
+            let position = remaining_index % count;
             if !owned.contains(&position) {
                 return None;
             }
             owned_index += (position - owned.start) * stride;
-            (rest, stride) = (rest / count, stride * owned.len());
+            (remaining_index, stride) = (remaining_index / count, stride * owned.len());
         }
         Some(owned_index)
     }
@@ -163,8 +163,8 @@ impl<const D: usize> Layout<D> {
     /// Returns the rows that have owned cells, numbered over all layers.
     pub(super) fn owned_rows(&self) -> impl Iterator<Item = usize> {
         let rows = if D == 2 { 0..1 } else { self.owned[1].clone() };
-        let of_layer = move |layer: usize| rows.clone().map(move |row| layer * self.rows + row);
-        self.owned_layers().flat_map(of_layer)
+        let layer_rows = move |layer: usize| rows.clone().map(move |row| layer * self.rows + row);
+        self.owned_layers().flat_map(layer_rows)
     }
 
     /// Whether a row of a layer has owned cells.
@@ -172,7 +172,7 @@ impl<const D: usize> Layout<D> {
         self.owned_layers().contains(&layer) && (D == 2 || self.owned[1].contains(&row))
     }
 
-    /// Returns the distance between two rows in the data, in groups.
+    /// Returns the distance between two rows among the field values, in groups.
     #[inline(always)]
     pub(super) fn row_size(&self) -> usize {
         self.field_count * self.pitch
@@ -184,7 +184,7 @@ impl<const D: usize> Layout<D> {
         GroupIndex { group: row * self.groups + group, start: row * self.row_size() + group }
     }
 
-    /// Returns group and lane of a cell.
+    /// Returns group and lane of a cell, given by its index with halo.
     #[inline(always)]
     pub(super) fn lane_index(&self, cell: usize) -> (GroupIndex, usize) {
         let length = self.cells[0];
@@ -206,7 +206,7 @@ impl<const D: usize> Layout<D> {
         (x < self.cells[0]).then(|| row * self.cells[0] + x)
     }
 
-    /// Returns the data index of the first group of a segment in a layer, and the indices of its groups.
+    /// Returns the index of the first field value of a segment in a layer, and the range of its groups.
     pub(super) fn segment_groups(&self, layer: usize, tile: &RowSegment) -> (usize, Range<usize>) {
         let first = self.group_index(layer * self.rows + tile.row, tile.groups.start);
         (first.start, first.group..first.group + tile.groups.len())
@@ -217,7 +217,7 @@ impl<const D: usize> Layout<D> {
         RowSegment { row, groups: 0..self.groups }
     }
 
-    /// Returns the data range of the fields of rows of a layer.
+    /// Returns the range of the field values of some rows of a layer.
     pub(super) fn data_range(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
         let first = layer * self.rows;
         (first + rows.start) * self.row_size()..(first + rows.end) * self.row_size()
@@ -225,11 +225,11 @@ impl<const D: usize> Layout<D> {
 
     /// Whether a layer is in the halo of this domain, or may be in the halo of a neighbour along the last axis.
     pub(super) fn is_in_any_halo(&self, layer: usize) -> bool {
-        let [front, behind] = self.halo(D - 1);
-        layer < 2 * front || layer + 2 * behind >= self.layers()
+        let [lower, upper] = self.halo(D - 1);
+        layer < 2 * lower || layer + 2 * upper >= self.layers()
     }
 
-    /// Returns the data ranges of the exchanged fields of rows of a layer.
+    /// Returns the ranges of the exchanged field values of some rows of a layer.
     pub(super) fn exchanged_ranges(
         &self,
         layer: usize,

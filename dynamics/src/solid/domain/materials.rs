@@ -19,7 +19,7 @@ use std::collections::HashMap;
 pub(super) struct EnergyCoefficients<T: Real> {
     pub(super) field_offsets: Vec<[usize; 2]>,
     pub(super) kinetic_count: usize,
-    /// Coefficients by pattern and term.
+    /// Coefficients by lane pattern, then by term.
     pub(super) factors: Vec<Vec<T::Lanes>>,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Materials<T: Real, const D: usize> {
     /// By axis: pairs of waves in sweeps of half a step.
     pub(super) waves: [Vec<WavePair>; D],
     /// Pairs of waves along the first axis in a sweep of a quarter of a step, for alternating sweeps; else empty.
-    pub(super) quarter_waves: Vec<WavePair>,
+    pub(super) quarter_step_waves: Vec<WavePair>,
     pub(super) table: MaterialTable<T>,
     /// Wave constants along rows, if the cell length depends on the layer; else `None`.
     pub(super) row_constants: Option<RowConstants<T>>,
@@ -58,9 +58,9 @@ struct PatternSet {
 
 impl PatternSet {
     fn insert(&mut self, lanes: Vec<u16>) -> u32 {
-        let (all, next) = (&mut self.patterns, self.indices.len() as u32);
+        let (patterns, next) = (&mut self.patterns, self.indices.len() as u32);
         *self.indices.entry(lanes).or_insert_with_key(|lanes| {
-            all.push(lanes.clone());
+            patterns.push(lanes.clone());
             next
         })
     }
@@ -76,26 +76,27 @@ impl PatternSet {
         let (lanes, length, groups) = (T::Lanes::COUNT as isize, media.len(), groups as isize);
         // Beyond the ends: the medium of the mirror image, or of the periodic image. Lanes that hold neither cells nor
         // ghosts get an arbitrary medium.
-        let at = |x: isize| {
-            let inside = usize::try_from(x).ok().and_then(|x| media.get(x));
-            let beyond =
+        let medium_at = |x: isize| {
+            let own_medium = usize::try_from(x).ok().and_then(|x| media.get(x));
+            let distance =
                 if x < 0 { (-1 - x) as usize } else { x as usize - length.min(x as usize) };
-            let depth = beyond % length;
-            let own = if (x < 0) == is_periodic { length - 1 - depth } else { depth };
-            inside.copied().unwrap_or(media[own])
+            let depth = distance % length;
+            let image_index = if (x < 0) == is_periodic { length - 1 - depth } else { depth };
+            own_medium.copied().unwrap_or(media[image_index])
         };
-        let mut group =
-            |place: isize| self.insert((0..lanes).map(|lane| at(lane * groups + place)).collect());
-        let own = (0..groups).map(&mut group).collect();
-        (own, [-1, -2, groups, groups + 1].map(group))
+        let mut group = |place: isize| {
+            self.insert((0..lanes).map(|lane| medium_at(lane * groups + place)).collect())
+        };
+        let image_index = (0..groups).map(&mut group).collect();
+        (image_index, [-1, -2, groups, groups + 1].map(group))
     }
 }
 
 /// Returns the index of a value in a list without duplicates; appends the value if it is not there.
-fn insert_unique<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
-    all.iter().position(|own| *own == value).unwrap_or_else(|| {
-        all.push(value);
-        all.len() - 1
+fn insert_unique<N: PartialEq>(list: &mut Vec<N>, value: N) -> usize {
+    list.iter().position(|own| *own == value).unwrap_or_else(|| {
+        list.push(value);
+        list.len() - 1
     })
 }
 
@@ -132,28 +133,30 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
         let Problem { media, grid, scheme, step, .. } = self.problem;
         let fields = &media[0].fields;
         let index = |field: SolidField| fields.iter().position(|own| *own == field);
-        let place = |field: SolidField| index(field).map_or(0, |index| index * self.pitch);
+        let offset = |field: SolidField| index(field).map_or(0, |index| index * self.pitch);
         // Stresses that are passive in any medium; the coupling ratio is zero in media without that coupling.
-        let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].passive_stresses);
-        let mut passive_stresses: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
+        let passive_fields =
+            media.iter().flat_map(|medium| &medium.pairs[axis][pair].passive_stresses);
+        let mut passive_stresses: Vec<usize> =
+            passive_fields.filter_map(|(field, _)| index(*field)).collect();
         passive_stresses.sort_unstable();
         passive_stresses.dedup();
         let cell = |medium: &Medium| {
-            let own = &medium.pairs[axis][pair];
-            let courant = own.speed() * (step_fraction * step / grid.spacing[axis]);
-            scheme.slopes.cell_constants(own, courant, self.problem.has_interfaces())
+            let wave_pair = &medium.pairs[axis][pair];
+            let courant = wave_pair.speed() * (step_fraction * step / grid.spacing[axis]);
+            scheme.slopes.cell_constants(wave_pair, courant, self.problem.has_interfaces())
         };
         let cells: Vec<CellConstants<T>> = media.iter().map(cell).collect();
         let ratio = |medium: &Medium, index: usize| {
-            let mut own = medium.pairs[axis][pair].passive_stresses.iter();
-            own.find(|own| own.0 == fields[index]).map_or(0.0, |own| own.1)
+            let mut passive_stresses = medium.pairs[axis][pair].passive_stresses.iter();
+            passive_stresses.find(|own| own.0 == fields[index]).map_or(0.0, |own| own.1)
         };
-        let ratios_of = |&index: &usize| media.iter().map(|own| ratio(own, index)).collect();
+        let ratios_of = |&index: &usize| media.iter().map(|medium| ratio(medium, index)).collect();
         let ratios: Vec<Vec<f64>> = passive_stresses.iter().map(ratios_of).collect();
-        let own = &media[0].pairs[axis][pair];
+        let wave_pair = &media[0].pairs[axis][pair];
         WavePair {
-            velocity: place(own.velocity),
-            stress: place(own.stress),
+            velocity: offset(wave_pair.velocity),
+            stress: offset(wave_pair.stress),
             constants_index: insert_unique(&mut self.cell_constants, cells),
             ratio_indices: ratios
                 .into_iter()
@@ -177,18 +180,18 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
         };
         for pattern in patterns {
             table.cell_constants.extend(self.cell_constants.iter().map(|cells| {
-                let own = |value: fn(&CellConstants<T>) -> T| {
+                let lanes_of = |value: fn(&CellConstants<T>) -> T| {
                     T::Lanes::from_lanes(|lane| value(&cells[usize::from(pattern[lane])]))
                 };
                 CellConstants {
-                    impedance: own(|cell| cell.impedance),
-                    half_courant: own(|cell| cell.half_courant),
-                    velocity_factor: own(|cell| cell.velocity_factor),
-                    mean_slope_weight: own(|cell| cell.mean_slope_weight),
-                    upwind_bound: own(|cell| cell.upwind_bound),
-                    upwind_weight: own(|cell| cell.upwind_weight),
-                    central_weight: own(|cell| cell.central_weight),
-                    downwind_weight: own(|cell| cell.downwind_weight),
+                    impedance: lanes_of(|cell| cell.impedance),
+                    half_courant: lanes_of(|cell| cell.half_courant),
+                    velocity_factor: lanes_of(|cell| cell.velocity_factor),
+                    mean_slope_weight: lanes_of(|cell| cell.mean_slope_weight),
+                    upwind_bound: lanes_of(|cell| cell.upwind_bound),
+                    upwind_weight: lanes_of(|cell| cell.upwind_weight),
+                    central_weight: lanes_of(|cell| cell.central_weight),
+                    downwind_weight: lanes_of(|cell| cell.downwind_weight),
                 }
             }));
             let lanes = |ratio: &Vec<f64>| {
@@ -225,7 +228,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
                 .collect()
         });
         let pairs = (0..media[0].pairs[0].len()).filter(|_| problem.scheme.is_alternating());
-        let quarter_waves = pairs.map(|pair| constants.create_pair(0, pair, 0.25)).collect();
+        let quarter_step_waves = pairs.map(|pair| constants.create_pair(0, pair, 0.25)).collect();
 
         let mut pattern_set = PatternSet::default();
         let cell_media = problem.cell_media.clone();
@@ -253,7 +256,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         let materials = Self {
             cell_media,
             waves,
-            quarter_waves,
+            quarter_step_waves,
             table: constants.create_table(&pattern_set.patterns),
             row_constants: None,
             energy_terms: EnergyCoefficients::new(
@@ -292,10 +295,10 @@ impl<T: Real> EnergyCoefficients<T> {
     fn new(media: &[Medium], fields: &[SolidField], patterns: &[Vec<u16>], pitch: usize) -> Self {
         let (terms, kinetic) = energy_terms_by_medium(media, fields);
         let factors = patterns.iter().map(|pattern| {
-            let of = |term: &Vec<f64>| {
+            let lane_coefficients = |term: &Vec<f64>| {
                 T::Lanes::from_lanes(|lane| T::from_f64(term[usize::from(pattern[lane])]))
             };
-            terms.values().map(of).collect()
+            terms.values().map(lane_coefficients).collect()
         });
         Self {
             kinetic_count: kinetic,

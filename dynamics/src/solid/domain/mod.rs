@@ -8,7 +8,7 @@
 //! | `materials`, `material_table` | media by lane pattern, wave constants and energy coefficients |
 //! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts of rows and lines |
 //! | `sweep` | sweeps by axis and the work done at boundaries |
-//! | `local_laws`, `local_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flushing |
+//! | `lane_laws`, `cell_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flushing |
 //! | `stress_mapping` | return mapping: dispatch to the following three; scalar formulas: `models::yield_set` |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |
 //! | `return_mapping`, `total_stress` | Newton's method for total stresses, reflections and mixed sets; constants |
@@ -31,7 +31,8 @@
 //!
 //! Every 16 steps, values of magnitude below 2⁴⁰ times the smallest positive normal number (in single precision
 //! 1.3·10⁻²⁶) are flushed to zero, since subnormal arithmetic is slow on many processors and the tails of waves would
-//! be subnormal (`flush_subnormals` in `local_operators`, limit in `cell_laws`). The energy removed is not in the ledger.
+//! be subnormal (`flush_subnormals` in `cell_operators`, limit in `cell_laws`). The energy removed is not in the
+//! ledger.
 //!
 //! Sums of the ledger are exact and thus independent of the order of summation; each owned cell and face enters them
 //! once.
@@ -47,6 +48,7 @@ mod boundaries;
 mod buffers;
 mod build;
 mod cell_mapping;
+mod cell_operators;
 mod completion;
 mod curvilinear;
 mod diagnostics;
@@ -56,9 +58,8 @@ mod halo;
 mod interlayer_faces;
 mod interlayers;
 mod kernel;
+mod lane_laws;
 mod layout;
-mod local_laws;
-mod local_operators;
 mod material_table;
 mod materials;
 mod output;
@@ -90,8 +91,8 @@ use buffers::Buffers;
 use diagnostics::Diagnostics;
 use fluid::FluidStage;
 use interlayer_faces::LaneInterlayers;
+use lane_laws::LaneLaws;
 use layout::Layout;
-use local_laws::LocalLaws;
 use materials::Materials;
 use models::solid::waves::SolidField;
 use schedule::Schedule;
@@ -110,10 +111,11 @@ pub struct Domain<T: SolverReal, const D: usize> {
     materials: Materials<T, D>,
     boundaries: Boundaries<T, D>,
     sources: Sources<D>,
-    local_laws: LocalLaws<T>,
+    lane_laws: LaneLaws<T>,
     /// Values by row, field and group; after all rows, ghosts of the lines that are swept.
     field_data: Vec<T::Lanes>,
     interfaces: LaneInterlayers<T, D>,
+    /// Flow of the fluid in saturated interlayers; `None` if there are none.
     fluid: Option<FluidStage<T>>,
     diagnostics: Diagnostics,
     buffers: Buffers<T>,
@@ -139,10 +141,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// for bit: with initial stress, for reflections, and for several kinds of yield sets.
     #[doc(hidden)]
     pub fn use_scalar_mapping(&mut self) {
-        self.local_laws.uses_scalar_mapping = true;
+        self.lane_laws.uses_scalar_mapping = true;
     }
 
-    /// Returns the fields of the state.
+    /// Returns the fields of the state, in their order.
     pub fn fields(&self) -> &[SolidField] {
         &self.materials.fields
     }
@@ -152,24 +154,24 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.grid
     }
 
-    /// Returns the time, s.
+    /// Returns the time of the present state, s.
     pub fn time(&self) -> f64 {
         self.schedule.steps as f64 * self.step
     }
 
     /// Returns the values of a field in owned cells, first axis fastest; `None` if there is no such field.
     pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
-        let place = self.field_offset(field)?;
-        Some(self.layout.owned_cells().map(|cell| self.value_at(cell, place)).collect())
+        let offset = self.field_offset(field)?;
+        Some(self.layout.owned_cells().map(|cell| self.value_at(cell, offset)).collect())
     }
 
     /// Sets the values of a field in owned cells, first axis fastest; excess values are ignored, missing ones leave
     /// cells unchanged.
-    pub fn set(&mut self, field: SolidField, values: &[T]) {
-        let Some(place) = self.field_offset(field) else { return };
+    pub fn set_field(&mut self, field: SolidField, values: &[T]) {
+        let Some(offset) = self.field_offset(field) else { return };
         let layout = self.layout.clone();
         for (cell, &value) in layout.owned_cells().zip(values) {
-            *self.value_at_mut(cell, place) = value;
+            *self.value_at_mut(cell, offset) = value;
         }
     }
 
@@ -179,10 +181,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         field: SolidField,
         value: impl Fn(usize) -> Option<T>,
     ) {
-        let Some(place) = self.field_offset(field) else { return };
+        let Some(offset) = self.field_offset(field) else { return };
         for cell in 0..self.layout.cells.iter().product() {
             if let Some(value) = value(cell) {
-                *self.value_at_mut(cell, place) = value;
+                *self.value_at_mut(cell, offset) = value;
             }
         }
     }
@@ -196,7 +198,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the value of a field in an owned cell; `None` if there is no such field or cell.
     pub fn value(&self, field: SolidField, cell: usize) -> Option<T> {
         let cell = (cell < self.grid.count()).then(|| self.layout.local_cell(cell))?;
-        self.field_offset(field).map(|place| self.value_at(cell, place))
+        self.field_offset(field).map(|offset| self.value_at(cell, offset))
     }
 
     /// Returns field and owned cell of the first value that is not finite; for an interlayer the cell above the face.
@@ -204,7 +206,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let non_finite_field = |cell: &usize| {
             self.field_offsets()
-                .find(|(_, place)| !self.value_at(*cell, *place).to_f64().is_finite())
+                .find(|(_, offset)| !self.value_at(*cell, *offset).to_f64().is_finite())
         };
         let Some(cell) = self.layout.owned_cells().find(|cell| non_finite_field(cell).is_some())
         else {
@@ -218,23 +220,25 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.fields().iter().copied().zip((0..).step_by(self.layout.pitch))
     }
 
+    /// Returns the offset of a field in a row, in groups; `None` if there is no such field.
     fn field_offset(&self, field: SolidField) -> Option<usize> {
         self.field_offsets().find(|own| own.0 == field).map(|own| own.1)
     }
 
     #[inline(always)]
-    fn value_at(&self, cell: usize, place: usize) -> T {
+    /// Returns the value in a cell, given by its index with halo, of the field with an offset.
+    fn value_at(&self, cell: usize, offset: usize) -> T {
         let (index, lane) = self.layout.lane_index(cell);
-        self.field_data[index.start + place].lanes()[lane]
+        self.field_data[index.start + offset].lanes()[lane]
     }
 
     #[inline(always)]
-    fn value_at_mut(&mut self, cell: usize, place: usize) -> &mut T {
+    fn value_at_mut(&mut self, cell: usize, offset: usize) -> &mut T {
         let (index, lane) = self.layout.lane_index(cell);
-        &mut self.field_data[index.start + place].lanes_mut()[lane]
+        &mut self.field_data[index.start + offset].lanes_mut()[lane]
     }
 
-    /// Returns the energy ledger of all steps so far.
+    /// Returns the energy ledger of all steps so far, J.
     pub fn ledger(&self) -> Ledger {
         self.ledger_sums().to_ledger(self.grid.volume())
     }
@@ -261,7 +265,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.schedule.steps
     }
 
-    /// Returns the energy of the deviation from the initial stress.
+    /// Returns the energy of the deviation from the initial stress, J.
     pub fn energy(&self) -> Energy {
         self.energy_sums().to_energy(self.grid.volume())
     }

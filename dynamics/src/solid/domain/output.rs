@@ -74,7 +74,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Returns the first owned cell whose total stress its projection onto the yield set changes; `None` if there is
     /// none.
-    pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
+    pub(crate) fn first_cell_outside_yield_set(&self) -> Option<usize> {
         (0..self.grid.count()).find(|&cell| {
             let stress = self.total_stress(cell);
             self.medium(cell).project(&stress).stress != stress
@@ -87,7 +87,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Records the watched cells in layers that have completed a step of the pass.
-    pub(super) fn record_watched(&mut self, layers: Range<usize>, step: usize) {
+    pub(super) fn record_watched_layers(&mut self, layers: Range<usize>, step: usize) {
         let mut records = std::mem::take(&mut self.diagnostics.records[step]);
         let [from, to] = [layers.start, layers.end].map(|layer| {
             let is_before =
@@ -121,11 +121,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         values: &mut Vec<f64>,
     ) {
         let local_cell = self.layout.local_cell(cell);
-        let own = self.complete_cell(local_cell, boundaries);
-        let stress = self.stress_from_fields(&own);
+        let cell_values = self.complete_cell(local_cell, boundaries);
+        let stress = self.stress_from_fields(&cell_values);
         let trial = add_scaled(&stress, &self.initial_stress(local_cell), 1.0);
         let stress = self.medium(cell).project(&trial).stress;
-        for (&field, value) in self.fields().iter().zip(own) {
+        for (&field, value) in self.fields().iter().zip(cell_values) {
             values.push(stress_component(field, &stress).unwrap_or_else(|| value.to_f64()));
         }
         values.extend(self.time_integrals(cell));

@@ -15,7 +15,7 @@ use models::solid::waves::SolidField;
 use models::yield_set::parameters::{ActiveCondition, Mises};
 use models::yield_set::return_mapping::{ConsistencyEquation, EIGENSPACE_COUNT, NewtonIterate};
 
-/// Yield sets by lane pattern.
+/// Yield sets of one kind, in lanes, by lane pattern.
 #[derive(Clone)]
 pub(super) enum YieldSets<T: Real> {
     Mises(MisesSets<T>),
@@ -38,7 +38,7 @@ pub(super) struct MisesSets<T: Real> {
     force: TensorOffsets,
     couple: TensorOffsets,
     /// Flags of the eigenspaces of the stress with a nonzero weight in any set.
-    active: [bool; EIGENSPACE_COUNT],
+    active_eigenspaces: [bool; EIGENSPACE_COUNT],
     by_pattern: Vec<MisesConstants<T::Lanes>>,
 }
 
@@ -54,14 +54,15 @@ impl TensorOffsets {
     pub(super) fn new(
         fields: &[SolidField],
         pitch: usize,
-        of: fn(usize, usize) -> SolidField,
+        component_field: fn(usize, usize) -> SolidField,
     ) -> Self {
-        let index = |i: usize, j: usize| fields.iter().position(|own| *own == of(i, j));
+        let index =
+            |i: usize, j: usize| fields.iter().position(|own| *own == component_field(i, j));
         let offset = |i: usize, j: usize| Some(index(i, j)? * pitch);
         let normal = [offset(0, 0), offset(1, 1), offset(2, 2)];
         let pairs = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
-            let [one, other] = [offset(i, j), offset(j, i)];
-            Some([one.or(other)?, other.or(one)?])
+            let [upper, lower] = [offset(i, j), offset(j, i)];
+            Some([upper.or(lower)?, lower.or(upper)?])
         });
         Self {
             normal: match normal {
@@ -78,7 +79,7 @@ impl TensorOffsets {
 struct MisesConstants<N> {
     /// Strength k, Pa; in lanes without yield set greater than any stress.
     strength: N,
-    /// Friction coefficient κ.
+    /// Friction coefficient κ; 0 in lanes without yield set.
     friction: N,
     /// Decrease κK of the mean stress per plastic multiplier, Pa, with the bulk modulus K.
     mean_drop: N,
@@ -121,7 +122,7 @@ impl MisesConstants<f64> {
         let Mises { friction, strength, .. } = *set;
         let [mean_drop, a] = [friction * bulk, 2.0 * friction * friction * bulk];
         // Eigenspaces without weight or stiffness are not mapped.
-        let parts = set
+        let eigenspaces = set
             .eigenspace_coefficients(solid)
             .map(|part| if part[0] > 0.0 && part[1] > 0.0 { part } else { [0.0; 2] });
         Self {
@@ -129,11 +130,11 @@ impl MisesConstants<f64> {
             friction,
             mean_drop,
             a,
-            multiplier_per_excess: 2.0 / (a + parts[0][0] * parts[0][1]),
-            half_rate: 0.5 * parts[0][0] * parts[0][1],
-            weights: parts.map(|[weight, _]| weight),
-            rates: parts.map(|[weight, stiffness]| weight * stiffness),
-            compliances: parts.map(|[weight, stiffness]| match weight > 0.0 {
+            multiplier_per_excess: 2.0 / (a + eigenspaces[0][0] * eigenspaces[0][1]),
+            half_rate: 0.5 * eigenspaces[0][0] * eigenspaces[0][1],
+            weights: eigenspaces.map(|[weight, _]| weight),
+            rates: eigenspaces.map(|[weight, stiffness]| weight * stiffness),
+            compliances: eigenspaces.map(|[weight, stiffness]| match weight > 0.0 {
                 true => 1.0 / stiffness,
                 false => 0.0,
             }),
@@ -151,7 +152,7 @@ impl<T: Real> YieldSets<T> {
     /// another kind. The offset of a field is its index times `pitch`.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         match MisesSets::new(media, patterns, pitch) {
-            Some(strengths) => Some(Self::Mises(strengths)),
+            Some(mises_sets) => Some(Self::Mises(mises_sets)),
             None => create_half_spaces::<T>(media, patterns, pitch).map(Self::HalfSpaces),
         }
     }
@@ -175,7 +176,7 @@ fn create_half_spaces<T: Real>(
             conditions.push(Vec::new());
             continue;
         };
-        let of = |(condition, strength): (ActiveCondition, f64)| {
+        let half_space_condition = |(condition, strength): (ActiveCondition, f64)| {
             let component = |&field: &SolidField| match field {
                 // One field stands for both components ij and ji in classical solids.
                 SolidField::Stress(i, j) if i != j && medium.rotation.is_none() => {
@@ -185,19 +186,21 @@ fn create_half_spaces<T: Real>(
             };
             HalfSpaceCondition { normal: fields.iter().map(component).collect(), strength }
         };
-        conditions.push(set.half_spaces()?.into_iter().map(of).collect());
+        conditions.push(set.half_spaces()?.into_iter().map(half_space_condition).collect());
     }
     let max_count = conditions.iter().map(Vec::len).max().unwrap_or(0);
     let by_pattern = patterns.iter().map(|pattern| {
         let half_space = |index: usize| {
-            let lanes = |value: &dyn Fn(&HalfSpaceCondition) -> f64, other: f64| {
+            let lanes = |value: &dyn Fn(&HalfSpaceCondition) -> f64, default_value: f64| {
                 T::Lanes::from_lanes(|lane| {
-                    let own = conditions[usize::from(pattern[lane])].get(index);
-                    T::from_f64(own.map_or(other, value))
+                    let condition = conditions[usize::from(pattern[lane])].get(index);
+                    T::from_f64(condition.map_or(default_value, value))
                 })
             };
             let normal = (0..fields.len())
-                .filter(|&index| conditions.iter().flatten().any(|own| own.normal[index] != 0.0))
+                .filter(|&index| {
+                    conditions.iter().flatten().any(|condition| condition.normal[index] != 0.0)
+                })
                 .map(|index| (index * pitch, lanes(&|own| own.normal[index], 0.0)))
                 .collect();
             LaneHalfSpace {
@@ -214,7 +217,7 @@ impl<T: Real> MisesSets<T> {
     /// Creates Mises' sets of all lane patterns; `None` if a set is of another kind.
     fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         let fields = &media[0].fields;
-        let of_medium: Vec<MisesConstants<f64>> = media
+        let constants_by_medium: Vec<MisesConstants<f64>> = media
             .iter()
             .map(|medium| match &medium.yield_set {
                 None => Some(MisesConstants::with_unbounded_strength(unbounded_strength::<T>())),
@@ -224,12 +227,13 @@ impl<T: Real> MisesSets<T> {
         let by_pattern = patterns.iter().map(|pattern| {
             let lanes = |value: &dyn Fn(&MisesConstants<f64>) -> f64| {
                 T::Lanes::from_lanes(|lane| {
-                    T::from_f64(value(&of_medium[usize::from(pattern[lane])]))
+                    T::from_f64(value(&constants_by_medium[usize::from(pattern[lane])]))
                 })
             };
-            let parts = |value: &dyn Fn(&MisesConstants<f64>) -> [f64; EIGENSPACE_COUNT]| {
-                std::array::from_fn(|part| lanes(&|own| value(own)[part]))
-            };
+            let eigenspace_lanes =
+                |value: &dyn Fn(&MisesConstants<f64>) -> [f64; EIGENSPACE_COUNT]| {
+                    std::array::from_fn(|part| lanes(&|own| value(own)[part]))
+                };
             MisesConstants {
                 strength: lanes(&|own| own.strength),
                 friction: lanes(&|own| own.friction),
@@ -237,22 +241,24 @@ impl<T: Real> MisesSets<T> {
                 a: lanes(&|own| own.a),
                 multiplier_per_excess: lanes(&|own| own.multiplier_per_excess),
                 half_rate: lanes(&|own| own.half_rate),
-                weights: parts(&|own| own.weights),
-                rates: parts(&|own| own.rates),
-                compliances: parts(&|own| own.compliances),
+                weights: eigenspace_lanes(&|own| own.weights),
+                rates: eigenspace_lanes(&|own| own.rates),
+                compliances: eigenspace_lanes(&|own| own.compliances),
             }
         });
-        let active = |part: usize| of_medium.iter().any(|own| own.weights[part] > 0.0);
+        let active_eigenspaces =
+            |part: usize| constants_by_medium.iter().any(|own| own.weights[part] > 0.0);
         Some(Self {
             force: TensorOffsets::new(fields, pitch, SolidField::Stress),
             couple: TensorOffsets::new(fields, pitch, SolidField::Couple),
             by_pattern: by_pattern.collect(),
-            active: std::array::from_fn(active),
+            active_eigenspaces: std::array::from_fn(active_eigenspaces),
         })
     }
 
+    /// Whether the yield conditions depend, apart from the mean, on the deviator of the force stress only.
     fn is_deviatoric(&self) -> bool {
-        !self.active[1..].contains(&true)
+        !self.active_eigenspaces[1..].contains(&true)
     }
 }
 
@@ -261,7 +267,7 @@ pub(super) struct ProjectionKernel<'a, T: Real> {
     /// Field values from the first of these groups on.
     pub(super) field_data: &'a mut [T::Lanes],
     pub(super) lane_pattern_indices: &'a [u32],
-    pub(super) sets: &'a YieldSets<T>,
+    pub(super) yield_sets: &'a YieldSets<T>,
     /// By lane pattern, whether any lane has a yield set.
     pub(super) has_yield_set: &'a [bool],
     /// Accumulated plastic dissipation by group and lane, J/m³.
@@ -273,7 +279,7 @@ pub(super) struct ProjectionKernel<'a, T: Real> {
 impl<T: Real> SimdKernel<T> for ProjectionKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        match self.sets {
+        match self.yield_sets {
             YieldSets::HalfSpaces(all) => {
                 for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
                     let (group, pattern) = (&self.field_data[index..], pattern as usize);
@@ -286,10 +292,10 @@ impl<T: Real> SimdKernel<T> for ProjectionKernel<'_, T> {
                     }
                 }
             }
-            YieldSets::Mises(strengths) if strengths.is_deviatoric() => {
-                self.map_groups::<V, true>(strengths);
+            YieldSets::Mises(mises_sets) if mises_sets.is_deviatoric() => {
+                self.map_groups::<V, true>(mises_sets);
             }
-            YieldSets::Mises(strengths) => self.map_groups::<V, false>(strengths),
+            YieldSets::Mises(mises_sets) => self.map_groups::<V, false>(mises_sets),
         }
     }
 }
@@ -298,17 +304,17 @@ impl<T: Real> ProjectionKernel<'_, T> {
     /// Maps stresses onto Mises' sets; for sets that depend on the deviator of the force stress only, a separate loop
     /// is compiled.
     #[inline(always)]
-    fn map_groups<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &MisesSets<T>) {
+    fn map_groups<V: Vector<T>, const DEVIATOR: bool>(self, mises_sets: &MisesSets<T>) {
         let lanes = T::Lanes::COUNT;
         for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let group = &mut self.field_data[index..];
             if !self.has_yield_set[pattern as usize] {
                 continue;
             }
-            let own = &strengths.by_pattern[pattern as usize];
+            let constants = &mises_sets.by_pattern[pattern as usize];
             let mut energy_loss = T::Lanes::ZERO;
             let MappingLanes { mapped_lanes, scalar_lanes } =
-                map_group::<T, V, DEVIATOR>(group, own, strengths, &mut energy_loss);
+                map_group::<T, V, DEVIATOR>(group, constants, mises_sets, &mut energy_loss);
             if mapped_lanes != 0 {
                 let dissipation = &mut self.dissipation[index * lanes..][..lanes];
                 for (own, energy_loss) in dissipation.iter_mut().zip(energy_loss.lanes()) {
@@ -386,9 +392,9 @@ fn scale_stress<T: Real, V: Vector<T>, const DEVIATOR: bool>(
 ) {
     if let Some(normal) = offsets.normal {
         for offset in normal {
-            let own = V::load(&group[offset]);
-            let moved = own + (mean_change - deviator * (own - mean));
-            own.blend_lanes(lanes, moved).store(&mut group[offset]);
+            let stress = V::load(&group[offset]);
+            let mapped = stress + (mean_change - deviator * (stress - mean));
+            stress.blend_lanes(lanes, mapped).store(&mut group[offset]);
         }
     }
     for &[one, other] in &offsets.pairs {
@@ -413,15 +419,16 @@ fn scale_stress<T: Real, V: Vector<T>, const DEVIATOR: bool>(
 fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
     constants: &MisesConstants<T::Lanes>,
-    strengths: &MisesSets<T>,
+    mises_sets: &MisesSets<T>,
     energy_loss: &mut T::Lanes,
 ) -> MappingLanes {
-    let MisesSets { force, couple, active, .. } = strengths;
+    let MisesSets { force, couple, active_eigenspaces, .. } = mises_sets;
     let (mean, deviator, antisymmetric) = stress_invariants::<T, V>(group, force);
     // Invariants ½|s̄|² of the trial stress s̄ by eigenspace.
     let mut squares = [deviator, antisymmetric, V::ZERO, V::ZERO, V::ZERO];
     let mut couple_mean = V::ZERO;
-    let has_couples = !DEVIATOR && (active[2] || active[3] || active[4]);
+    let has_couples =
+        !DEVIATOR && (active_eigenspaces[2] || active_eigenspaces[3] || active_eigenspaces[4]);
     if has_couples {
         let (mean, deviator, antisymmetric) = stress_invariants::<T, V>(group, couple);
         couple_mean = mean;
@@ -431,7 +438,7 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     }
     let mut square = V::load(&constants.weights[0]) * squares[0];
     for part in 1..EIGENSPACE_COUNT {
-        if !DEVIATOR && active[part] {
+        if !DEVIATOR && active_eigenspaces[part] {
             square = square + V::load(&constants.weights[part]) * squares[part];
         }
     }
@@ -454,7 +461,7 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
             V::load(&constants.compliances[0]) * squares[0] * removed_fraction * removed_fraction,
         )
     } else {
-        solve_several_rates::<T, V>(squares, shear_capacity, constants, active)
+        solve_several_rates::<T, V>(squares, shear_capacity, constants, active_eigenspaces)
     };
     let quarter = V::QUARTER * V::load(&constants.a) * multiplier;
     V::ZERO
@@ -504,7 +511,7 @@ fn solve_several_rates<T: Real, V: Vector<T>>(
     squares: [V; EIGENSPACE_COUNT],
     shear_capacity: V,
     constants: &MisesConstants<T::Lanes>,
-    active: &[bool; EIGENSPACE_COUNT],
+    active_eigenspaces: &[bool; EIGENSPACE_COUNT],
 ) -> ([V; EIGENSPACE_COUNT], V, V) {
     let a = V::load(&constants.a);
     let mut rates = [V::ZERO; EIGENSPACE_COUNT];
@@ -520,13 +527,13 @@ fn solve_several_rates<T: Real, V: Vector<T>>(
         weighted_stiffnesses: rates,
         a,
         shear_capacity,
-        active,
+        active: active_eigenspaces,
     }
     .solve();
     let mut removed_fractions = [V::ZERO; EIGENSPACE_COUNT];
     let (mut remaining_square, mut loss) = (V::ZERO, V::ZERO);
     for part in 0..EIGENSPACE_COUNT {
-        if active[part] {
+        if active_eigenspaces[part] {
             let scale_factor = scale_factors[part];
             removed_fractions[part] = x * rates[part] * scale_factor;
             remaining_square = remaining_square + weighted[part] * scale_factor * scale_factor;

@@ -1,4 +1,4 @@
-//! Relaxation of stress deviators, a local law with history variables: a sweep treats the solid as unrelaxed at
+//! Relaxation of stress deviators, a cell law with history variables: a sweep treats the solid as unrelaxed at
 //! constant viscous strain, and between sweeps stress and viscous strain relax exactly at constant total strain.
 //!
 //! Relaxation is applied where the rotation of spins is, over a whole step, or over two halves before and after the
@@ -10,7 +10,7 @@ use super::layout::RowSegment;
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::cell_laws::{
-    Interval, RelaxedFields, find_relaxed_fields, relax, relaxation_coefficients,
+    LawInterval, RelaxedFields, find_relaxed_fields, relax, relaxation_coefficients,
 };
 use crate::solid::medium::Medium;
 use models::rheology::relaxation::Relaxation;
@@ -45,14 +45,14 @@ impl<T: Real> LaneRelaxations<T> {
         let by_pattern = patterns.iter().map(|pattern| {
             let medium = |lane: usize| &media[usize::from(pattern[lane])];
             let relaxes = |lane: usize| u16::from(medium(lane).relaxation.is_some()) << lane;
-            let relaxing = (0..pattern.len()).map(relaxes).sum();
-            (relaxing != 0).then(|| {
+            let relaxing_lanes = (0..pattern.len()).map(relaxes).sum();
+            (relaxing_lanes != 0).then(|| {
                 let lanes = |value: &dyn Fn(&Medium) -> f64| {
                     T::Lanes::from_lanes(|lane| T::from_f64(value(medium(lane))))
                 };
                 (
-                    relaxing,
-                    Interval::evaluate_both(|step_fraction| {
+                    relaxing_lanes,
+                    LawInterval::evaluate_both(|step_fraction| {
                         relaxation_coefficients(lanes, step_fraction, step)
                     }),
                 )
@@ -64,18 +64,23 @@ impl<T: Real> LaneRelaxations<T> {
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Relaxes stresses over `interval` in a segment of the rows of some layers.
-    pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &RowSegment, interval: Interval) {
-        let Some(relaxations) = &self.local_laws.relaxations else { return };
+    pub(super) fn relax(
+        &mut self,
+        layers: &Range<usize>,
+        tile: &RowSegment,
+        interval: LawInterval,
+    ) {
+        let Some(relaxations) = &self.lane_laws.relaxations else { return };
         let lanes = T::Lanes::COUNT;
         for layer in layers.clone() {
             let (first, groups) = self.layout.segment_groups(layer, tile);
-            let of_tile = groups.start * lanes..groups.end * lanes;
+            let tile_lanes = groups.start * lanes..groups.end * lanes;
             self.instructions.run_kernel::<T>(RelaxationKernel {
                 field_data: &mut self.field_data[first..],
                 lane_pattern_indices: &self.materials.lane_pattern_indices[groups],
                 relaxations,
                 interval,
-                dissipation: &mut self.diagnostics.dissipation.viscous_dissipation[of_tile],
+                dissipation: &mut self.diagnostics.dissipation.viscous_dissipation[tile_lanes],
             });
         }
     }
@@ -87,7 +92,7 @@ struct RelaxationKernel<'a, T: Real> {
     field_data: &'a mut [T::Lanes],
     lane_pattern_indices: &'a [u32],
     relaxations: &'a LaneRelaxations<T>,
-    interval: Interval,
+    interval: LawInterval,
     /// Accumulated viscous dissipation by group and lane, J/m³.
     dissipation: &'a mut [f64],
 }
@@ -105,18 +110,21 @@ impl<T: Real> SimdKernel<T> for RelaxationKernel<'_, T> {
 
 impl<T: Real> RelaxationKernel<'_, T> {
     #[inline(always)]
-    fn relax_groups<V: Vector<T>, const SHEARS: usize>(self, shear_places: [[usize; 3]; SHEARS]) {
+    fn relax_groups<V: Vector<T>, const SHEAR_COUNT: usize>(
+        self,
+        shear_offsets: [[usize; 3]; SHEAR_COUNT],
+    ) {
         let LaneRelaxations { fields: (normal_places, _), by_pattern } = self.relaxations;
         let count = T::Lanes::COUNT;
         for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let Some((lanes, constants)) = &by_pattern[pattern as usize] else { continue };
             let constants = load_relaxation::<T, V>(&constants[self.interval as usize]);
             let group = &mut self.field_data[index..];
-            let (mut normal, mut shear) = ([[V::ZERO; 2]; 3], [[V::ZERO; 3]; SHEARS]);
+            let (mut normal, mut shear) = ([[V::ZERO; 2]; 3], [[V::ZERO; 3]; SHEAR_COUNT]);
             for (values, &[own, viscous]) in normal.iter_mut().zip(normal_places) {
                 *values = [V::load(&group[own]), V::load(&group[viscous])];
             }
-            for (values, &[one, other, viscous]) in shear.iter_mut().zip(&shear_places) {
+            for (values, &[one, other, viscous]) in shear.iter_mut().zip(&shear_offsets) {
                 *values = [V::load(&group[one]), V::load(&group[other]), V::load(&group[viscous])];
             }
             let energy_loss = relax(&constants, &mut normal, &mut shear);
@@ -124,15 +132,15 @@ impl<T: Real> RelaxationKernel<'_, T> {
                 store_lanes(group, own, *lanes, values[0]);
                 store_lanes(group, viscous, *lanes, values[1]);
             }
-            for (values, &[one, other, viscous]) in shear.iter().zip(&shear_places) {
+            for (values, &[one, other, viscous]) in shear.iter().zip(&shear_offsets) {
                 store_lanes(group, one, *lanes, values[0]);
                 store_lanes(group, other, *lanes, values[1]);
                 store_lanes(group, viscous, *lanes, values[2]);
             }
-            let mut of_lanes = T::Lanes::ZERO;
-            V::ZERO.blend_lanes(*lanes, energy_loss).store(&mut of_lanes);
+            let mut lane_losses = T::Lanes::ZERO;
+            V::ZERO.blend_lanes(*lanes, energy_loss).store(&mut lane_losses);
             let sums = &mut self.dissipation[index * count..][..count];
-            for (sum, own) in sums.iter_mut().zip(of_lanes.lanes()) {
+            for (sum, own) in sums.iter_mut().zip(lane_losses.lanes()) {
                 *sum += own.to_f64();
             }
         }
@@ -141,8 +149,8 @@ impl<T: Real> RelaxationKernel<'_, T> {
 
 /// Sets the masked lanes of a field; all others are unchanged, the sign of zeros included.
 #[inline(always)]
-fn store_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], place: usize, lanes: u16, value: V) {
-    V::load(&group[place]).blend_lanes(lanes, value).store(&mut group[place]);
+fn store_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], offset: usize, lanes: u16, value: V) {
+    V::load(&group[offset]).blend_lanes(lanes, value).store(&mut group[offset]);
 }
 
 /// Loads the relaxation constants of a group.

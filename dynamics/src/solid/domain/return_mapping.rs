@@ -174,8 +174,8 @@ impl<'a> TotalStressKernel<'a> {
         let shear = trial.squared_shear.max(V::MIN_POSITIVE).sqrt();
         let yielding_lanes =
             trial.yielding_lanes(shape, &cone, shear) & block.cone_lanes & cell_lanes;
-        let beyond = trial.lanes_beyond_apex() & yielding_lanes;
-        let (scalar_lanes, lanes) = (scalar_lanes | beyond, yielding_lanes & !beyond);
+        let apex_lanes = trial.lanes_beyond_apex() & yielding_lanes;
+        let (scalar_lanes, lanes) = (scalar_lanes | apex_lanes, yielding_lanes & !apex_lanes);
         if scalar_lanes | lanes == 0 {
             return;
         }
@@ -331,12 +331,12 @@ impl<'a> TotalStressKernel<'a> {
     /// Returns the mask of the lanes of a block that hold cells.
     #[inline(always)]
     fn cell_lanes(&self, block_index: usize) -> u16 {
-        let [first, whole, rest] = self.lane_occupancy;
+        let [first, lane_count, longer_groups] = self.lane_occupancy;
         let (index, half) = (
             block_index >> self.log2_blocks_per_group(),
             block_index & (self.blocks_per_group - 1),
         );
-        let cell_count = whole + usize::from(first + index < rest);
+        let cell_count = lane_count + usize::from(first + index < longer_groups);
         let cell_count = cell_count.saturating_sub(half * BLOCK_LANES).min(BLOCK_LANES);
         (1 << cell_count) - 1
     }
@@ -454,8 +454,8 @@ impl<'a> TotalStressKernel<'a> {
             false => V::ZERO,
         };
         let factor = if self.is_reflection { V::ONE + V::ONE } else { V::ONE };
-        let beyond = if self.is_reflection { plastic_energy } else { V::ZERO };
-        let dissipation = factor * (mapped.energy_lost - beyond);
+        let reflection_loss = if self.is_reflection { plastic_energy } else { V::ZERO };
+        let dissipation = factor * (mapped.energy_lost - reflection_loss);
         energy_change.dissipation = V::ZERO.blend_lanes(lanes, dissipation);
         if V::ZERO.greater_lanes(dissipation) & lanes != 0 {
             let initial_energy = stored_energy(shape, &stress[0], &stress[1], moduli);
@@ -561,11 +561,11 @@ impl<'a> TotalStressKernel<'a> {
     }
 }
 
-/// Adds `more` to a list, lane by lane.
+/// Adds `addend` to a list, lane by lane.
 #[inline(always)]
-fn add_to_lanes<V: Vector<f64>>(to: &mut [f64], more: V) {
+fn add_to_lanes<V: Vector<f64>>(to: &mut [f64], addend: V) {
     let mut lanes_value = DoubleLanes::ZERO;
     lanes_value.lanes_mut().copy_from_slice(to);
-    (V::load(&lanes_value) + more).store(&mut lanes_value);
+    (V::load(&lanes_value) + addend).store(&mut lanes_value);
     to.copy_from_slice(lanes_value.lanes());
 }

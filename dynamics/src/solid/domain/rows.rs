@@ -218,8 +218,8 @@ impl<T: Real> Rows<'_, T> {
         if !self.has_uniform_rule(end) {
             for row in rows.clone() {
                 let (lane, face) = (row - rows.start, self.first_face + row);
-                let own = self.ghost_rule(end, pair, face / T::Lanes::COUNT);
-                for (to, from) in by_row.iter_mut().zip(own) {
+                let face_rule = self.ghost_rule(end, pair, face / T::Lanes::COUNT);
+                for (to, from) in by_row.iter_mut().zip(face_rule) {
                     to.lanes_mut()[lane] = from.lanes()[face % T::Lanes::COUNT];
                 }
             }
@@ -330,19 +330,19 @@ impl<T: Real> Rows<'_, T> {
         let field = &mut field_data[self.first_data + start..][..groups];
         let ghosts = &mut ghosts[start..][..(2 * GHOSTS - 1) * ghost_stride + 1];
         for depth in 0..GHOSTS {
-            let own = V::load(&field[groups - 1 - depth]);
-            own.shift_in_low(lower_ghosts[depth]).store(&mut ghosts[depth * ghost_stride]);
+            let values = V::load(&field[groups - 1 - depth]);
+            values.shift_in_low(lower_ghosts[depth]).store(&mut ghosts[depth * ghost_stride]);
             // Insert the ghosts after the last cell, which are stored in the row itself only at the end of this
             // function.
-            let own =
+            let values =
                 V::load(&field[depth]).blend_lanes(first_group_masks[depth][0], upper_ghosts[0]);
-            let own = own.blend_lanes(first_group_masks[depth][1], upper_ghosts[1]);
-            own.shift_in_high(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * ghost_stride]);
+            let values = values.blend_lanes(first_group_masks[depth][1], upper_ghosts[1]);
+            values.shift_in_high(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * ghost_stride]);
         }
         for depth in 0..GHOSTS {
             let (group, lane) = ghosts_after_last_cell[depth];
-            let own = V::load(&field[group]).blend_lanes(1 << lane, upper_ghosts[depth]);
-            own.store(&mut field[group]);
+            let values = V::load(&field[group]).blend_lanes(1 << lane, upper_ghosts[depth]);
+            values.store(&mut field[group]);
         }
     }
 }
@@ -353,11 +353,11 @@ impl<T: Real> Rows<'_, T> {
 /// Broadcasts one lane of a ghost rule to all lanes.
 #[inline(always)]
 fn broadcast_rule<T: Real, V: Vector<T>>(ghost_rule: &[T::Lanes; 5], lane: usize) -> [V; 5] {
-    let mut all = [V::ZERO; 5];
-    for (own, lanes) in all.iter_mut().zip(ghost_rule) {
+    let mut broadcast = [V::ZERO; 5];
+    for (own, lanes) in broadcast.iter_mut().zip(ghost_rule) {
         *own = V::splat(lanes.lanes()[lane]);
     }
-    all
+    broadcast
 }
 
 /// Broadcasts one value of a field to all lanes.

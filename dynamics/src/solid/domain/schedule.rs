@@ -55,12 +55,12 @@ pub(super) struct TileSizes {
     /// Number of rows of these layers that are loaded at a time.
     pub(super) rows: usize,
     /// Number of rows of a block: all layers pass the step in one block before the next block does.
-    pub(super) block: usize,
+    pub(super) block_rows: usize,
 }
 
 impl TileSizes {
     /// Tiles in the plane, where layers are rows.
-    pub(super) const PLANE_TILES: Self = Self { layers: CHUNK_SIZE, rows: 1, block: 1 };
+    pub(super) const PLANE_TILES: Self = Self { layers: CHUNK_SIZE, rows: 1, block_rows: 1 };
 
     /// Returns the tile sizes in space, for rows of `row` bytes. Periodic rows are the ghosts of each other and must
     /// all be loaded.
@@ -71,10 +71,12 @@ impl TileSizes {
             .step_by(2)
             .find(fits_private_cache)
             .unwrap_or(2 * GHOSTS);
-        let block = SHARED_CACHE_BYTES / ((layers + 2 * GHOSTS) * row) / CHUNK_SIZE;
+        let block_chunks = SHARED_CACHE_BYTES / ((layers + 2 * GHOSTS) * row) / CHUNK_SIZE;
         match is_periodic {
-            true => Self { layers, rows: usize::MAX, block: usize::MAX },
-            false => Self { layers, rows: CHUNK_SIZE, block: block.max(1) * CHUNK_SIZE },
+            true => Self { layers, rows: usize::MAX, block_rows: usize::MAX },
+            false => {
+                Self { layers, rows: CHUNK_SIZE, block_rows: block_chunks.max(1) * CHUNK_SIZE }
+            }
         }
     }
 }

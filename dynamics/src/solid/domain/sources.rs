@@ -36,15 +36,16 @@ impl CellSource {
         layout: &Layout<D>,
         halves: usize,
     ) -> Self {
-        let place_of = |&(cell, share): &(usize, f64)| {
+        let position_in_lanes = |&(cell, share): &(usize, f64)| {
             let (index, lane) = layout.lane_index(cell);
             (index.group, lane, share)
         };
-        let mut cells: Vec<_> = source.cells.iter().map(place_of).collect();
+        let mut cells: Vec<_> = source.cells.iter().map(position_in_lanes).collect();
         cells.sort_by_key(|&(group, lane, _)| (group, lane));
-        let place = |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
+        let field_offset =
+            |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
         let amplitudes = source.amplitudes.iter();
-        let amplitudes = amplitudes.filter_map(|&(f, a)| Some((place(f)?, a))).collect();
+        let amplitudes = amplitudes.filter_map(|&(f, a)| Some((field_offset(f)?, a))).collect();
         Self {
             cells,
             amplitudes,
@@ -110,19 +111,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         layers: &Range<usize>,
         tile: &RowSegment,
     ) {
-        let Some(place) = self.field_offset(SolidField::Velocity(axis)) else { return };
+        let Some(offset) = self.field_offset(SolidField::Velocity(axis)) else { return };
         let change = acceleration * 0.5 * self.step;
         for layer in layers.clone() {
             let (first, groups) = self.layout.segment_groups(layer, tile);
-            let is_own = self.layout.is_owned_row(layer, tile.row);
+            let is_owned = self.layout.is_owned_row(layer, tile.row);
             for (index, group) in groups.enumerate() {
-                let own = self.layout.owned_lanes[tile.groups.start + index];
+                let owned_lanes = self.layout.owned_lanes[tile.groups.start + index];
                 for lane in 0..T::Lanes::COUNT {
                     let Some(cell) = self.layout.cell_in_lane(group, lane) else { continue };
                     let inertia = self.materials.medium(cell).inertia(SolidField::Velocity(axis));
-                    let value = &mut self.field_data[first + index + place].lanes_mut()[lane];
+                    let value = &mut self.field_data[first + index + offset].lanes_mut()[lane];
                     let work = inertia * accelerate(value, change);
-                    if is_own && own >> lane & 1 == 1 {
+                    if is_owned && owned_lanes >> lane & 1 == 1 {
                         self.diagnostics.work.source_work.add(work);
                     }
                 }

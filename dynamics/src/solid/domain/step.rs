@@ -1,7 +1,7 @@
 //! Time step by operator splitting.
 //!
 //! A step of Δt of the state U is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along
-//! the axes, K the action of sources and gravity over half a step, and Q that of the local laws over a whole step,
+//! the axes, K the action of sources and gravity over half a step, and Q that of the cell laws over a whole step,
 //!
 //! ```text
 //! U ← x y z  then  K Q K  then  z y x.
@@ -40,7 +40,7 @@ use super::layout::RowSegment;
 use super::material_table::WavePair;
 use super::schedule::{CHUNK_SIZE, MAX_PASS_STEPS, stage_progress, stage_ranges};
 use super::{Domain, SolverReal};
-use crate::solid::cell_laws::Interval;
+use crate::solid::cell_laws::LawInterval;
 use crate::solid::problem::PlasticStep;
 use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;
@@ -76,8 +76,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let steps = steps.clamp(1, self.schedule.max_pass_steps);
         self.exchange_halo(neighbours)?;
         if self.schedule.steps == 0 && !self.scheme.is_alternating() {
-            let all = 0..self.layout.layers() * self.layout.layer_cells();
-            self.accumulate_integrals(all, 0.5);
+            let all_cells = 0..self.layout.layers() * self.layout.layer_cells();
+            self.accumulate_integrals(all_cells, 0.5);
         }
         self.schedule.steps += steps;
         self.schedule.pass_steps = steps;
@@ -88,7 +88,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let rows = self.layout.rows;
         let mut loaded = 0;
         while loaded < rows {
-            let block = loaded..rows.min(loaded.saturating_add(self.schedule.tile_sizes.block));
+            let block =
+                loaded..rows.min(loaded.saturating_add(self.schedule.tile_sizes.block_rows));
             loaded = block.end;
             self.advance_block(&block, steps, neighbours)?;
         }
@@ -103,7 +104,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         steps: usize,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let (all, own, rows) = (self.layout.layers(), self.layout.owned_layers(), self.layout.rows);
+        let (layer_count, owned, rows) =
+            (self.layout.layers(), self.layout.owned_layers(), self.layout.rows);
         let swept = stage_progress(block.start, rows)[1]..stage_progress(block.end, rows)[1];
         self.sweep_and_send(block, &swept, neighbours)?;
         if self.layout.is_periodic_in_place {
@@ -111,26 +113,27 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         self.receive_layers(0, &swept, neighbours)?;
         let mut ready = [[0; 3]; MAX_PASS_STEPS];
-        while ready[steps - 1][2] < all {
-            let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tile_sizes.layers));
+        while ready[steps - 1][2] < layer_count {
+            let mut loaded =
+                layer_count.min(ready[0][0].saturating_add(self.schedule.tile_sizes.layers));
             // Received as late as possible, since a neighbour may lag behind.
-            if ready[0][0] <= own.end && own.end < loaded {
+            if ready[0][0] <= owned.end && owned.end < loaded {
                 self.receive_layers(1, &swept, neighbours)?;
             }
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
-                let before = std::mem::replace(ready, stage_progress(loaded, all));
+                let before = std::mem::replace(ready, stage_progress(loaded, layer_count));
                 // Layers that no later sweep reads are skipped: each sweep reads GHOSTS layers beyond those it writes.
-                let needed = std::array::from_fn(|stage| {
-                    let beyond = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
-                    own.start.saturating_sub(beyond)..all.min(own.end + beyond)
+                let stage_layers = std::array::from_fn(|stage| {
+                    let margin = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
+                    owned.start.saturating_sub(margin)..layer_count.min(owned.end + margin)
                 });
                 let layers = std::array::from_fn(|stage| {
-                    let Range { start, end } = needed[stage];
+                    let Range { start, end } = stage_layers[stage];
                     before[stage].clamp(start, end)..ready[stage].clamp(start, end)
                 });
                 let stages = StepStages {
                     layers: &layers,
-                    pass_layers: &needed,
+                    pass_layers: &stage_layers,
                     block,
                     first_half: 2 * step,
                 };
@@ -151,20 +154,20 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let layer = self.layout.layer_cells();
             self.accumulate_integrals(layers.start * layer..layers.end * layer, 1.0);
         }
-        self.record_watched(layers.clone(), step);
+        self.record_watched_layers(layers.clone(), step);
     }
 
     /// Advances layers by one step, each stage in its layers. Within a layer, each sweep across rows trails the
     /// previous stage by [`GHOSTS`] rows, as sweeps across layers trail it by [`GHOSTS`] layers.
     pub(super) fn advance_layers(&mut self, stages: &StepStages<'_>) {
         let &StepStages { layers, pass_layers: ends, block, first_half: first } = stages;
-        let (all, second) = (self.layout.rows, first + 1);
+        let (row_count, second) = (self.layout.rows, first + 1);
         let steps_done = self.schedule.steps - self.schedule.pass_steps + first / 2 + 1;
-        let at_a_time = (self.schedule.tile_sizes.layers, all);
-        let mut ready = stage_progress(block.start, all);
+        let tile_layers_and_rows = (self.schedule.tile_sizes.layers, row_count);
+        let mut ready = stage_progress(block.start, row_count);
         while ready[0] < block.end {
-            let rows = self.schedule.next_rows(ready[0], block, at_a_time);
-            let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
+            let rows = self.schedule.next_rows(ready[0], block, tile_layers_and_rows);
+            let before = std::mem::replace(&mut ready, stage_progress(rows.end, row_count));
             let rows = stage_ranges(before, ready);
             // Sweeps x y; `sweep_and_send` or a neighbour has already applied them to exchanged layers.
             for layer in layers[0].clone() {
@@ -179,7 +182,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     let groups = self.layout.groups;
                     for tile in rows[1].clone().flat_map(|row| RowSegment::split_row(row, groups)) {
                         self.sweep_last_axis(&layers[0], &ends[0], &tile, first);
-                        self.apply_local_operators(&layers[1], &tile, first);
+                        self.apply_cell_operators(&layers[1], &tile, first);
                         self.sweep_last_axis(&layers[1], &ends[1], &tile, second);
                     }
                 }
@@ -200,26 +203,26 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Applies K Q K, with relaxation, and with the reflection 2P − I if it is applied in the middle of the step.
-    fn apply_local_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
+    fn apply_cell_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         self.apply_sources(layers, tile, first);
         if self.scheme.plastic_step == PlasticStep::MidpointReflection
             && !self.diagnostics.dissipation.plastic_dissipation.is_empty()
         {
             // Curved blocks do not yield: `Problem::check_metric`.
-            self.rotate_spins(layers, tile, Interval::HalfStep);
-            self.relax(layers, tile, Interval::HalfStep);
+            self.rotate_spins(layers, tile, LawInterval::HalfStep);
+            self.relax(layers, tile, LawInterval::HalfStep);
             self.apply_return_mapping(layers, tile, true);
-            self.relax(layers, tile, Interval::HalfStep);
-            self.rotate_spins(layers, tile, Interval::HalfStep);
+            self.relax(layers, tile, LawInterval::HalfStep);
+            self.rotate_spins(layers, tile, LawInterval::HalfStep);
         } else {
-            // The rotation by the curvature does not commute with the other local laws: half of the rotation before and
+            // The rotation by the curvature does not commute with the other cell laws: half of the rotation before and
             // half after them.
-            let has_other_laws = !self.local_laws.rotated_offsets.is_empty()
-                || self.local_laws.relaxations.is_some();
-            let interval = if has_other_laws { Interval::HalfStep } else { Interval::Step };
+            let has_other_laws =
+                !self.lane_laws.rotated_offsets.is_empty() || self.lane_laws.relaxations.is_some();
+            let interval = if has_other_laws { LawInterval::HalfStep } else { LawInterval::Step };
             self.rotate_by_curvature(layers, tile, interval);
-            self.rotate_spins(layers, tile, Interval::Step);
-            self.relax(layers, tile, Interval::Step);
+            self.rotate_spins(layers, tile, LawInterval::Step);
+            self.relax(layers, tile, LawInterval::Step);
             if has_other_laws {
                 self.rotate_by_curvature(layers, tile, interval);
             }
@@ -255,8 +258,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         for row in rows.clone() {
             let tile = self.layout.row_segment(row);
             self.apply_sources(layers, &tile, first);
-            self.rotate_spins(layers, &tile, Interval::HalfStep);
-            self.relax(layers, &tile, Interval::HalfStep);
+            self.rotate_spins(layers, &tile, LawInterval::HalfStep);
+            self.relax(layers, &tile, LawInterval::HalfStep);
             self.accumulate_row_integrals(layers, row);
         }
         if D == 2 {
@@ -271,8 +274,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         for row in rows.clone() {
             let tile = self.layout.row_segment(row);
             self.accumulate_row_integrals(layers, row);
-            self.relax(layers, &tile, Interval::HalfStep);
-            self.rotate_spins(layers, &tile, Interval::HalfStep);
+            self.relax(layers, &tile, LawInterval::HalfStep);
+            self.rotate_spins(layers, &tile, LawInterval::HalfStep);
             self.apply_sources(layers, &tile, first + 1);
         }
     }
@@ -289,7 +292,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the pairs of waves for the sweep along an axis in half step `half` of the pass.
     pub(super) fn sweep_waves(&self, axis: usize, half: usize) -> &[WavePair] {
         match self.scheme.is_alternating() && axis == 0 && self.schedule.is_first_half_step(half) {
-            true => &self.materials.quarter_waves,
+            true => &self.materials.quarter_step_waves,
             false => match &self.materials.row_constants {
                 Some(rows) if axis == 0 => &rows.waves,
                 _ => &self.materials.waves[axis],

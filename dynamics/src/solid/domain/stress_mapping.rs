@@ -17,7 +17,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the initial stress in a cell, given its index among all cells, halo included; zero if the problem has
     /// none.
     pub(super) fn initial_stress(&self, cell: usize) -> Stress {
-        let Some((axis, layers)) = &self.local_laws.initial_stress else {
+        let Some((axis, layers)) = &self.lane_laws.initial_stress else {
             return Stress::default();
         };
         let stride: usize = self.layout.cells[..*axis].iter().product();
@@ -35,10 +35,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         if self.diagnostics.dissipation.plastic_dissipation.is_empty() {
             return;
         }
-        let is_plain =
-            !reflects && self.local_laws.initial_stress.is_none() && self.local_laws.sets.is_some();
+        let is_plain = !reflects
+            && self.lane_laws.initial_stress.is_none()
+            && self.lane_laws.yield_sets.is_some();
         for layer in layers.clone() {
-            match (is_plain, self.local_laws.uses_scalar_mapping) {
+            match (is_plain, self.lane_laws.uses_scalar_mapping) {
                 (true, _) => self.project_stresses(layer, tile),
                 (false, false) => self.map_total_stresses(layer, tile, reflects),
                 (false, true) => {
@@ -52,7 +53,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Applies P without initial stress, by the kernel for yield sets of one kind.
     fn project_stresses(&mut self, layer: usize, tile: &RowSegment) {
-        let Some(sets) = &self.local_laws.sets else { return };
+        let Some(yield_sets) = &self.lane_laws.yield_sets else { return };
         let mut scalar_lanes = std::mem::take(&mut self.buffers.scalar_lanes);
         scalar_lanes.clear();
         let (first, groups) = self.layout.segment_groups(layer, tile);
@@ -61,8 +62,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mapping = ProjectionKernel {
             field_data: &mut self.field_data[first..],
             lane_pattern_indices: &self.materials.lane_pattern_indices[groups.clone()],
-            sets,
-            has_yield_set: &self.local_laws.has_yield_set,
+            yield_sets,
+            has_yield_set: &self.lane_laws.has_yield_set,
             dissipation: &mut dissipation[groups.start * lanes..groups.end * lanes],
             scalar_lanes: &mut scalar_lanes,
         };
@@ -79,9 +80,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let lanes = T::Lanes::COUNT;
         let length = self.layout.cells[0];
         let uniform;
-        let initial = match &self.local_laws.initial_stress {
+        let initial = match &self.lane_laws.initial_stress {
             None => &[],
-            Some((0, _)) => self.local_laws.initial_stress_blocks.as_slice(),
+            Some((0, _)) => self.lane_laws.initial_stress_blocks.as_slice(),
             Some(_) => {
                 let cell = (layer * self.layout.rows + tile.row) * length;
                 uniform = [InitialStress::from_uniform(&self.initial_stress(cell))];
@@ -98,15 +99,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         if !is_double {
             // Stresses are mapped in double precision, as by the scalar projection.
             for field in stresses.clone() {
-                let own = &self.field_data[first + field * self.layout.pitch..][..groups.len()];
-                convert_to_double::<T>(own, &mut double_row[field * count..][..count]);
+                let groups_of_field =
+                    &self.field_data[first + field * self.layout.pitch..][..groups.len()];
+                convert_to_double::<T>(groups_of_field, &mut double_row[field * count..][..count]);
             }
         }
         let mut has_mapped = false;
         let CellDissipation { plastic_dissipation, initial_stress_work, .. } =
             &mut self.diagnostics.dissipation;
-        let of_tile = groups.start * lanes..groups.end * lanes;
-        let is_own = self.layout.is_owned_row(layer, tile.row);
+        let tile_lanes = groups.start * lanes..groups.end * lanes;
+        let is_owned = self.layout.is_owned_row(layer, tile.row);
         let (field_data, pitch) =
             match (&mut self.field_data as &mut dyn Any).downcast_mut::<Vec<DoubleLanes>>() {
                 Some(field_data) => (&mut field_data[first..], self.layout.pitch),
@@ -115,12 +117,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         map_in_lanes(
             self.instructions,
             TotalStressKernel {
-                yield_sets: &self.local_laws.total_stress_sets,
+                yield_sets: &self.lane_laws.total_stress_sets,
                 media: &self.materials.media,
                 field_data,
                 pitch,
                 lane_pattern_indices: &self.materials.lane_pattern_indices[groups.clone()],
-                has_yield_set: &self.local_laws.has_yield_set,
+                has_yield_set: &self.lane_laws.has_yield_set,
                 blocks_per_group,
                 initial_stress: initial,
                 is_reflection: reflects,
@@ -129,17 +131,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     length / self.layout.groups,
                     length % self.layout.groups,
                 ],
-                dissipation: &mut plastic_dissipation[of_tile.clone()],
-                initial_stress_work: initial_stress_work.get_mut(of_tile).unwrap_or(&mut []),
-                owned_lanes: is_own.then_some(&self.layout.owned_lanes[tile.groups.clone()]),
+                dissipation: &mut plastic_dissipation[tile_lanes.clone()],
+                initial_stress_work: initial_stress_work.get_mut(tile_lanes).unwrap_or(&mut []),
+                owned_lanes: is_owned.then_some(&self.layout.owned_lanes[tile.groups.clone()]),
                 min_dissipation_ratio: &mut self.diagnostics.work.min_dissipation_ratio,
                 has_mapped: &mut has_mapped,
             },
         );
         if !is_double && has_mapped {
             for field in stresses {
-                let own = &mut self.field_data[first + field * self.layout.pitch..][..groups.len()];
-                round_from_double::<T>(&double_row[field * count..][..count], own);
+                let groups_of_field =
+                    &mut self.field_data[first + field * self.layout.pitch..][..groups.len()];
+                round_from_double::<T>(&double_row[field * count..][..count], groups_of_field);
             }
         }
         self.buffers.double_row = double_row;
@@ -147,7 +150,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Maps the cells in the masked lanes of a group by the scalar projection.
     fn map_lanes(&mut self, group: usize, lanes: u16, reflects: bool) {
-        if !self.local_laws.has_yield_set[self.materials.lane_pattern_indices[group] as usize] {
+        if !self.lane_laws.has_yield_set[self.materials.lane_pattern_indices[group] as usize] {
             return;
         }
         for lane in (0..T::Lanes::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
@@ -162,7 +165,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         if medium.yield_set.is_none() {
             return;
         }
-        let initial = self.local_laws.initial_stress.is_some().then(|| self.initial_stress(cell));
+        let initial = self.lane_laws.initial_stress.is_some().then(|| self.initial_stress(cell));
         let deviation = self.stress_deviation(cell);
         let Some(mapped) = map_stress(medium, &deviation, initial.as_ref(), reflects) else {
             return;

@@ -99,25 +99,26 @@ pub(super) fn create_initial_stress_blocks<T: Real>(
     layers: &[Stress],
     groups: usize,
 ) -> Vec<InitialStress> {
-    let places =
+    let block_positions =
         (0..groups).flat_map(|group| (0..blocks_per_group::<T>()).map(move |half| (group, half)));
-    let at = |(group, half): (usize, usize)| {
+    let block_stress = |(group, half): (usize, usize)| {
         let cell = move |lane: usize| (half * BLOCK_LANES + lane) * groups + group;
         InitialStress::from_lanes(|lane| layers.get(cell(lane)).copied().unwrap_or_default())
     };
-    places.map(at).collect()
+    block_positions.map(block_stress).collect()
 }
 
 impl BlockConstants {
     fn new(media: &[Medium], lanes: &[u16]) -> Self {
-        let own = |lane: usize| &media[usize::from(lanes[lane])];
+        let medium_of = |lane: usize| &media[usize::from(lanes[lane])];
         let cone_of = |lane: usize| {
-            let medium = own(lane);
+            let medium = medium_of(lane);
             let set = medium.yield_set.as_ref()?.downcast::<Mises>()?;
             Some(Cone::new(set, medium.law.downcast::<Isotropic>()?))
         };
         let cones_by_lane: [Option<Cone<f64>>; BLOCK_LANES] = std::array::from_fn(cone_of);
-        let half_spaces_of = |lane: usize| match (&cones_by_lane[lane], &own(lane).yield_set) {
+        let half_spaces_of = |lane: usize| match (&cones_by_lane[lane], &medium_of(lane).yield_set)
+        {
             (None, Some(set)) => set.half_spaces(),
             _ => None,
         };
@@ -127,10 +128,13 @@ impl BlockConstants {
         };
         let max_count = polyhedra.iter().flatten().map(Vec::len).max().unwrap_or(0);
         let half_space = |index: usize| {
-            let of = |lane: usize| polyhedra[lane].as_ref().and_then(|own| own.get(index));
+            let half_space_of = |lane: usize| {
+                polyhedra[lane].as_ref().and_then(|half_spaces| half_spaces.get(index))
+            };
             let lanes = |which: usize, i: usize, j: usize| {
                 DoubleLanes::from_lanes(|lane| {
-                    of(lane).map_or(0.0, |own| to_tensors(&own.0.normal)[which][i][j])
+                    half_space_of(lane)
+                        .map_or(0.0, |half_space| to_tensors(&half_space.0.normal)[which][i][j])
                 })
             };
             let components = (0..18).map(|number| [number / 9, number / 3 % 3, number % 3]);
@@ -138,14 +142,17 @@ impl BlockConstants {
             BlockHalfSpace {
                 normal: normal.filter(|own| own.1 != DoubleLanes::ZERO).collect(),
                 strength: DoubleLanes::from_lanes(|lane| {
-                    of(lane).map_or(UNBOUNDED_STRENGTH, |own| own.1)
+                    half_space_of(lane).map_or(UNBOUNDED_STRENGTH, |own| own.1)
                 }),
             }
         };
         let cones = cones_by_lane
             .map(|own| own.unwrap_or(Cone::with_unreachable_strength(UNBOUNDED_STRENGTH)));
         let moduli: [[[f64; 3]; 2]; BLOCK_LANES] = std::array::from_fn(|lane| {
-            own(lane).law.downcast::<Isotropic>().map_or([[1.0; 3]; 2], Isotropic::energy_moduli)
+            medium_of(lane)
+                .law
+                .downcast::<Isotropic>()
+                .map_or([[1.0; 3]; 2], Isotropic::energy_moduli)
         });
         Self {
             media: std::array::from_fn(|lane| lanes[lane]),
@@ -160,7 +167,7 @@ impl BlockConstants {
             }),
             half_spaces: (0..max_count).map(half_space).collect(),
             other_lanes: lane_mask(&|lane| {
-                own(lane).yield_set.is_some()
+                medium_of(lane).yield_set.is_some()
                     && cones_by_lane[lane].is_none()
                     && polyhedra[lane].is_none()
             }),
@@ -168,6 +175,7 @@ impl BlockConstants {
     }
 }
 
+/// Returns force and couple stress of a stress.
 pub(super) fn to_tensors(stress: &Stress) -> StressTensors<f64> {
     [stress.force, stress.couple]
 }
@@ -179,22 +187,22 @@ impl TotalStressSets {
         let fields = &media[0].fields;
         let index = |field: SolidField| fields.iter().position(|own| *own == field);
         let is_symmetric = media[0].rotation.is_none();
-        let places = |which: usize, mirrors: bool| -> Tensor<Option<usize>> {
+        let find_fields = |which: usize, mirrors: bool| -> Tensor<Option<usize>> {
             std::array::from_fn(|i| {
                 std::array::from_fn(|j| {
-                    let of = |i, j| match which {
+                    let field_index = |i, j| match which {
                         0 => index(SolidField::Stress(i, j)),
                         _ => index(SolidField::Couple(i, j)),
                     };
-                    of(i, j).or_else(|| of(j, i).filter(|_| mirrors))
+                    field_index(i, j).or_else(|| field_index(j, i).filter(|_| mirrors))
                 })
             })
         };
-        let [places, targets] =
-            [is_symmetric, false].map(|mirrors| [0, 1].map(|which| places(which, mirrors)));
+        let [component_fields, stored_fields] =
+            [is_symmetric, false].map(|mirrors| [0, 1].map(|which| find_fields(which, mirrors)));
         let is_zero = |which: usize, i: usize, j: usize| {
             let is_zero = |own: &Stress| to_tensors(own)[which][i][j] == 0.0;
-            places[which][i][j].is_none() && initial.iter().all(is_zero)
+            component_fields[which][i][j].is_none() && initial.iter().all(is_zero)
         };
         let mut shape = StressShape {
             is_symmetric: is_symmetric
@@ -207,7 +215,7 @@ impl TotalStressSets {
                 let [which, i, j] = [number / 9, number / 3 % 3, number % 3];
                 ((i == 2) != (j == 2)) == (which == 1) || is_zero(which, i, j)
             }),
-            has_couples: places[1] != [[None; 3]; 3]
+            has_couples: component_fields[1] != [[None; 3]; 3]
                 || initial.iter().any(|own| own.couple != [[0.0; 3]; 3]),
         };
         // Four shapes have separate compiled loops; other shapes are treated as unsymmetric stresses with couple
@@ -229,7 +237,7 @@ impl TotalStressSets {
                 *active_eigenspaces |= weights.lanes().iter().any(|weight| *weight > 0.0);
             }
         }
-        Self { shape, component_fields: places, stored_fields: targets, active_eigenspaces, blocks }
+        Self { shape, component_fields, stored_fields, active_eigenspaces, blocks }
     }
 }
 

@@ -87,19 +87,20 @@ impl<N: Number> GhostCoefficients<N> {
         let passed = N::ONE + cell.upwind_weight - cell.central_weight;
 
         // Ghosts are downwind of the boundary for the arriving wave and upwind of it for the leaving wave.
-        let [inside, at_boundary, outside] = [
+        let [interior_flux, boundary_flux, leaving_flux] = [
             evaluate_polynomials(&REFLECTING_FLUX_COEFFICIENTS[0], courant),
             evaluate_polynomials(&REFLECTING_FLUX_COEFFICIENTS[1], courant),
             evaluate_polynomials(&REFLECTING_FLUX_COEFFICIENTS[2], courant),
         ];
         let mut reflecting_weights = [[N::ZERO; 3]; 4];
         for i in 0..3 {
-            let out = inside[i] * per_downwind;
-            let back = -(outside[i] * per_upwind);
+            let out = interior_flux[i] * per_downwind;
+            let back = -(leaving_flux[i] * per_upwind);
             reflecting_weights[0][i] = out;
-            reflecting_weights[1][i] = out + (at_boundary[i] - central * out) * per_downwind;
+            reflecting_weights[1][i] = out + (boundary_flux[i] - central * out) * per_downwind;
             reflecting_weights[2][i] = back;
-            reflecting_weights[3][i] = (passed * back * per_staying - at_boundary[i]) * per_upwind;
+            reflecting_weights[3][i] =
+                (passed * back * per_staying - boundary_flux[i]) * per_upwind;
         }
 
         let [face, boundary, back] = [
@@ -141,18 +142,19 @@ impl<N: Number> GhostCoefficients<N> {
     where
         N: Vector<T>,
     {
-        let mut own = Self {
+        let mut coefficients = Self {
             correction_flag: N::load(&from.correction_flag),
             upwind_cancellation: N::load(&from.upwind_cancellation),
             ..Self::ZEROS
         };
         for form in 0..4 {
             for i in 0..3 {
-                own.reflecting_weights[form][i] = N::load(&from.reflecting_weights[form][i]);
-                own.open_weights[form][i] = N::load(&from.open_weights[form][i]);
+                coefficients.reflecting_weights[form][i] =
+                    N::load(&from.reflecting_weights[form][i]);
+                coefficients.open_weights[form][i] = N::load(&from.open_weights[form][i]);
             }
         }
-        own
+        coefficients
     }
 
     /// Stores the coefficients as a group of lanes.

@@ -2,9 +2,10 @@
 
 use super::Reference;
 use crate::solid::cell_laws::{
-    Interval, MAX_FIELDS, RelaxedFields, SpinStressRotation, accelerate, add_scaled, apply_source,
-    find_relaxed_fields, flush_limit, integrate_signal, map_stress, relax, relaxation_coefficients,
-    rotate_spin_stress, rotated_fields, spin_stress_rotation, stress_from_fields,
+    LawInterval, MAX_FIELDS, RelaxedFields, SpinStressRotation, accelerate, add_scaled,
+    apply_source, find_relaxed_fields, flush_limit, integrate_signal, map_stress, relax,
+    relaxation_coefficients, rotate_spin_stress, rotated_fields, spin_stress_rotation,
+    stress_from_fields,
 };
 use crate::solid::domain::{CellMapping, SolverReal};
 use crate::solid::medium::{Medium, stress_component};
@@ -14,7 +15,7 @@ use models::rheology::relaxation::Relaxation;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
-/// Constants of the cell laws.
+/// Constants of the laws that act in cells between sweeps.
 #[derive(Clone)]
 pub(super) struct CellLaws<T: SolverReal> {
     /// Spin–stress rotation coefficients by medium, over a whole and over half a step.
@@ -33,7 +34,7 @@ pub(super) struct CellLaws<T: SolverReal> {
 /// A rotation plane of the curvature, and its coefficients by layer over a whole and over half a step.
 type LayeredPlane<T> = (CurvatureRotation, Vec<[[T; 4]; 2]>);
 
-/// Constants of stress relaxation.
+/// Constants of the stress relaxation of all media.
 #[derive(Clone)]
 struct MediumRelaxations<T> {
     fields: RelaxedFields,
@@ -46,7 +47,7 @@ impl<T: SolverReal> CellLaws<T> {
     pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[SolidField]) -> Self {
         let Problem { media, step, .. } = problem;
         let rotations = media.iter().map(|medium| {
-            Interval::evaluate_both(|step_fraction| {
+            LawInterval::evaluate_both(|step_fraction| {
                 spin_stress_rotation(medium, step_fraction, *step).map(T::from_f64)
             })
         });
@@ -55,7 +56,7 @@ impl<T: SolverReal> CellLaws<T> {
             medium_coefficients: media
                 .iter()
                 .map(|medium| {
-                    Interval::evaluate_both(|step_fraction| {
+                    LawInterval::evaluate_both(|step_fraction| {
                         relaxation_coefficients(
                             |coefficient| T::from_f64(coefficient(medium)),
                             step_fraction,
@@ -67,12 +68,12 @@ impl<T: SolverReal> CellLaws<T> {
         });
         let curvature = problem.metric.as_ref().map_or(&[][..], |metric| &metric.curvature);
         let plane = |plane: CurvatureRotation| {
-            let of_layer = |curvature: &f64| {
-                Interval::evaluate_both(|step_fraction| {
+            let layer_coefficients = |curvature: &f64| {
+                LawInterval::evaluate_both(|step_fraction| {
                     plane.coefficients(*curvature, step_fraction * step).map(T::from_f64)
                 })
             };
-            let by_layer = curvature.iter().map(of_layer).collect();
+            let by_layer = curvature.iter().map(layer_coefficients).collect();
             (plane, by_layer)
         };
         let planes = |medium: &Medium| match curvature {
@@ -154,48 +155,48 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     fn apply_gravity(&mut self) {
         for (axis, acceleration) in self.problem.acceleration.into_iter().enumerate() {
             let field = SolidField::Velocity(axis);
-            let Some(place) = self.field_index(field).filter(|_| acceleration != 0.0) else {
+            let Some(index) = self.field_index(field).filter(|_| acceleration != 0.0) else {
                 continue;
             };
             let change = acceleration * 0.5 * self.problem.step;
             for cell in 0..self.problem.grid.count() {
                 let inertia = self.medium(cell).inertia(field);
-                let work = inertia * accelerate(&mut self.fields[place][cell], change);
+                let work = inertia * accelerate(&mut self.fields[index][cell], change);
                 self.work.source_work.add(work);
             }
         }
     }
 
     /// Operator Q: rotates spins and antisymmetric stresses over `interval`.
-    pub(super) fn rotate_spins(&mut self, interval: Interval) {
-        for &places in &self.cell_laws.rotated_fields {
+    pub(super) fn rotate_spins(&mut self, interval: LawInterval) {
+        for &indices in &self.cell_laws.rotated_fields {
             for (cell, medium) in self.problem.cell_media.iter().enumerate() {
                 let constants =
                     self.cell_laws.spin_rotations[usize::from(*medium)][interval as usize];
-                let before = places.map(|place| self.fields[place][cell]);
-                for (place, value) in places.into_iter().zip(rotate_spin_stress(constants, before))
+                let before = indices.map(|index| self.fields[index][cell]);
+                for (index, value) in indices.into_iter().zip(rotate_spin_stress(constants, before))
                 {
-                    self.fields[place][cell] = value;
+                    self.fields[index][cell] = value;
                 }
             }
         }
     }
 
     /// Rotates the state by the curvature of rows over `interval`.
-    pub(super) fn rotate_by_curvature(&mut self, interval: Interval) {
+    pub(super) fn rotate_by_curvature(&mut self, interval: LawInterval) {
         let length = self.problem.grid.cells[0];
         for (cell, medium) in self.problem.cell_media.iter().enumerate() {
             for (plane, by_layer) in &self.cell_laws.curvature_planes[usize::from(*medium)] {
                 let weights = plane.weights.iter();
-                let y = weights.fold(T::ZERO, |y, &(place, weight)| {
-                    y + T::from_f64(weight) * self.fields[place][cell]
+                let y = weights.fold(T::ZERO, |y, &(index, weight)| {
+                    y + T::from_f64(weight) * self.fields[index][cell]
                 });
                 let v = self.fields[plane.velocity][cell];
                 let [v, strain] =
                     rotate_pair_by_curvature(by_layer[cell / length][interval as usize], v, y);
                 self.fields[plane.velocity][cell] = v;
-                for &(place, modulus) in &plane.moduli {
-                    let stress = &mut self.fields[place][cell];
+                for &(index, modulus) in &plane.moduli {
+                    let stress = &mut self.fields[index][cell];
                     *stress = *stress - T::from_f64(modulus) * strain;
                 }
             }
@@ -203,7 +204,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Relaxes stresses over `interval`.
-    pub(super) fn relax(&mut self, interval: Interval) {
+    pub(super) fn relax(&mut self, interval: LawInterval) {
         let Some(relaxations) = self.cell_laws.relaxations.take() else { return };
         let (normal, shear) = &relaxations.fields;
         for cell in 0..self.problem.grid.count() {
@@ -225,20 +226,20 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Relaxes the stresses of a cell; returns the energy dissipated, J/m³.
-    fn relax_cell<const SHEARS: usize>(
+    fn relax_cell<const SHEAR_COUNT: usize>(
         &mut self,
         cell: usize,
         constants: &Relaxation<T>,
         normal: &[[usize; 2]; 3],
-        shear: &[[usize; 3]; SHEARS],
+        shear: &[[usize; 3]; SHEAR_COUNT],
     ) -> T {
-        let value = |place: usize| self.fields[place][cell];
-        let mut normal_values = normal.map(|places| places.map(value));
-        let mut shear_values = shear.map(|places| places.map(value));
+        let value = |index: usize| self.fields[index][cell];
+        let mut normal_values = normal.map(|indices| indices.map(value));
+        let mut shear_values = shear.map(|indices| indices.map(value));
         let energy_loss = relax(constants, &mut normal_values, &mut shear_values);
-        let places = normal.as_flattened().iter().chain(shear.as_flattened());
+        let indices = normal.as_flattened().iter().chain(shear.as_flattened());
         let values = normal_values.as_flattened().iter().chain(shear_values.as_flattened());
-        places.zip(values).for_each(|(&place, value)| self.fields[place][cell] = *value);
+        indices.zip(values).for_each(|(&index, value)| self.fields[index][cell] = *value);
         energy_loss
     }
 
@@ -278,15 +279,17 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
         let deviation = stress_from_fields(self.fields(), &self.cell_state(cell));
         let initial = self.initial_stress(cell);
-        let Some(own) = map_stress(medium, &deviation, initial.as_ref(), reflects) else { return };
-        self.dissipation.plastic_dissipation[cell] += own.dissipation;
+        let Some(mapped) = map_stress(medium, &deviation, initial.as_ref(), reflects) else {
+            return;
+        };
+        self.dissipation.plastic_dissipation[cell] += mapped.dissipation;
         if let Some(initial_stress_work) = self.dissipation.initial_stress_work.get_mut(cell) {
-            *initial_stress_work += own.initial_stress_work;
+            *initial_stress_work += mapped.initial_stress_work;
         }
         self.work.min_dissipation_ratio =
-            self.work.min_dissipation_ratio.min(own.dissipation_ratio);
+            self.work.min_dissipation_ratio.min(mapped.dissipation_ratio);
         for (field, values) in self.problem.media[0].fields.iter().zip(&mut self.fields) {
-            if let Some(value) = stress_component(*field, &own.stress) {
+            if let Some(value) = stress_component(*field, &mapped.stress) {
                 values[cell] = T::from_f64(value);
             }
         }

@@ -1,4 +1,4 @@
-//! Faces with interlayers, with their history variables.
+//! Interlayers of the reference solver: faces, laws and history variables.
 
 use super::sweep::GridLine;
 use crate::simd::Real;
@@ -18,11 +18,11 @@ use models::solid::waves::SolidField;
 pub(super) struct InterlayerFaces<T, const D: usize> {
     faces: Vec<InterlayerFace>,
     history: Vec<T>,
-    /// Laws by axis.
+    /// Laws of interlayers, by axis.
     laws: [Vec<InterlayerLaw<T>>; D],
     /// By axis and cell, index in `faces` of its lower face, `None` at faces without interlayer; empty if the axis has
     /// no interlayers.
-    face_of_cell: [Vec<Option<usize>>; D],
+    lower_faces: [Vec<Option<usize>>; D],
     is_periodic: [bool; D],
     /// Network of the saturated faces, and their indices in `faces`; `None` if there are none.
     fluid: Option<(FluidNetwork<T>, Vec<usize>)>,
@@ -34,9 +34,9 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         let across: [_; D] = std::array::from_fn(|axis| problem.interlayers_across(axis));
         let faces = problem.interlayer_faces();
         let count = problem.grid.count();
-        let mut face_of_cell = across.map(|own| vec![None; if own.is_some() { count } else { 0 }]);
+        let mut lower_faces = across.map(|own| vec![None; if own.is_some() { count } else { 0 }]);
         for (index, face) in faces.iter().enumerate() {
-            face_of_cell[face.axis][face.cell] = Some(index);
+            lower_faces[face.axis][face.cell] = Some(index);
         }
         let end = faces.last().map_or(0, |face| face.history.end);
         let laws = across.map(|own| {
@@ -47,7 +47,7 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
             faces,
             history: vec![T::ZERO; end],
             laws,
-            face_of_cell,
+            lower_faces,
             is_periodic,
             fluid: None,
         };
@@ -77,13 +77,13 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         let saturated: Vec<usize> = saturated.collect();
         let faces = saturated.iter().filter_map(|index| {
             let face = &self.faces[*index];
-            let place = [face.cell % grid.cells[0], face.cell / grid.cells[0]];
-            Some(((face.axis, place), law(face)?))
+            let coordinates = [face.cell % grid.cells[0], face.cell / grid.cells[0]];
+            Some(((face.axis, coordinates), law(face)?))
         });
         Some((FluidNetwork::new(faces, &grid, problem.step), saturated))
     }
 
-    /// Advances the flow along saturated layers by `step`, s.
+    /// Advances the flow of the fluid along saturated interlayers by `step`, s.
     pub(super) fn advance_fluid(&mut self, step: f64) {
         let Some((network, saturated)) = &mut self.fluid else { return };
         for (history, index) in network.history_mut().iter_mut().zip(&*saturated) {
@@ -120,9 +120,10 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
     ) {
         for face in &self.faces {
             let pairs = &problem.media[0].pairs[face.axis];
-            let sides = [lower_neighbour(&problem.grid.cells, face.axis, face.cell), face.cell];
+            let adjacent_cells =
+                [lower_neighbour(&problem.grid.cells, face.axis, face.cell), face.cell];
             let velocity = |pair: usize, side: usize| {
-                pairs.get(pair).map_or(T::ZERO, |pair| value(pair.velocity, sides[side]))
+                pairs.get(pair).map_or(T::ZERO, |pair| value(pair.velocity, adjacent_cells[side]))
             };
             let law = &self.laws[face.axis][face.law];
             let history = &mut self.history[face.history.clone()];
@@ -163,24 +164,24 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
 
     /// Whether there are interlayers normal to an axis.
     pub(super) fn has_interlayers_across(&self, axis: usize) -> bool {
-        !self.face_of_cell[axis].is_empty()
+        !self.lower_faces[axis].is_empty()
     }
 
     /// Returns the interlayers of a line, ghosts included.
     pub(super) fn line_interlayers(&self, line: GridLine) -> Vec<Interlayer<T, InterlayerLaw<T>>> {
         let (count, ghosts) = (line.count as isize, GHOSTS as isize);
-        let at = |place: isize| {
-            let around = match self.is_periodic[line.axis] {
-                true => place.rem_euclid(count),
-                false => place,
+        let interlayer_at = |position: isize| {
+            let index = match self.is_periodic[line.axis] {
+                true => position.rem_euclid(count),
+                false => position,
             };
-            let around = usize::try_from(around).ok().filter(|own| *own < line.count)?;
-            let face = &self.faces[self.face_of_cell[line.axis][line.cell(around)]?];
+            let index = usize::try_from(index).ok().filter(|own| *own < line.count)?;
+            let face = &self.faces[self.lower_faces[line.axis][line.cell(index)]?];
             let law = self.laws[line.axis][face.law];
             let history = self.history[face.history.clone()].to_vec();
-            Some(Interlayer { upper_cell: (place + ghosts) as usize, law, history })
+            Some(Interlayer { upper_cell: (position + ghosts) as usize, law, history })
         };
-        (-ghosts..count + ghosts).filter_map(at).collect()
+        (-ghosts..count + ghosts).filter_map(interlayer_at).collect()
     }
 
     /// Stores the history variables of the interlayers of a line after its sweep.
@@ -190,10 +191,10 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         interlayers: &[Interlayer<T, InterlayerLaw<T>>],
     ) {
         // Interlayers among the ghosts are copies.
-        let own = GHOSTS..GHOSTS + line.count;
-        for interlayer in interlayers.iter().filter(|other| own.contains(&other.upper_cell)) {
+        let interior = GHOSTS..GHOSTS + line.count;
+        for interlayer in interlayers.iter().filter(|other| interior.contains(&other.upper_cell)) {
             let cell = line.cell(interlayer.upper_cell - GHOSTS);
-            if let Some(face) = self.face_of_cell[line.axis][cell] {
+            if let Some(face) = self.lower_faces[line.axis][cell] {
                 let history = self.faces[face].history.clone();
                 self.history[history].copy_from_slice(&interlayer.history);
             }

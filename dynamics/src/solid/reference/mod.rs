@@ -42,22 +42,22 @@ pub struct Reference<T: SolverReal, const D: usize> {
     problem: Problem<D>,
     /// Permutation from the axes of the given problem to those of the sweeps.
     permutation: AxisPermutation<D>,
-    /// Fields of the state.
-    field_list: Vec<SolidField>,
+    /// Fields of the state, in the order of `fields`.
+    state_fields: Vec<SolidField>,
     /// Reconstruction of the sweeps.
     slopes: line::Slopes,
     /// Wave pairs by axis, for sweeps of half a step.
     waves: [Vec<ReferenceWavePair<T>>; D],
     /// Wave pairs along the first axis by layer, for sweeps of half a step, if cell lengths vary by layer; else empty.
-    row_waves: Vec<Vec<ReferenceWavePair<T>>>,
+    waves_by_layer: Vec<Vec<ReferenceWavePair<T>>>,
     /// Wave pairs along the first axis, for sweeps of a quarter of a step (alternating sweeps).
-    quarter_waves: Vec<ReferenceWavePair<T>>,
+    quarter_step_waves: Vec<ReferenceWavePair<T>>,
     boundaries: [[BoundaryFaces<T>; 2]; D],
-    /// Cell laws.
+    /// Constants of the laws that act in cells between sweeps.
     cell_laws: CellLaws<T>,
     /// Values by field and cell (first axis fastest); stresses as deviation from the initial stress.
     fields: Vec<Vec<T>>,
-    /// Faces with interlayers.
+    /// Interlayers: faces, laws and history variables.
     interlayers: InterlayerFaces<T, D>,
     work: WorkSums,
     /// Dissipation by cell, J/m³.
@@ -68,7 +68,7 @@ pub struct Reference<T: SolverReal, const D: usize> {
     /// Cells recorded after each step, by index in the order of the sweeps.
     watched_cells: Vec<usize>,
     records: Vec<f64>,
-    /// Number of steps done.
+    /// Number of steps done since time 0.
     steps: usize,
 }
 
@@ -89,44 +89,44 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
         let problem = permutation.check_and_permute(problem)?.into_owned();
         let Problem { media, grid, .. } = &problem;
-        let (count, names) = (grid.count(), problem.fields());
+        let (count, state_fields) = (grid.count(), problem.fields());
         let waves = |axis: usize, spacing: f64, share: f64| {
             let pairs = 0..media[0].pairs[axis].len();
             let wave = |pair| ReferenceWavePair::new(&problem, (axis, spacing), pair, share);
             pairs.map(wave).collect::<Vec<_>>()
         };
-        let of_layers = problem.metric.as_ref().map_or(&[][..], |metric| &metric.spacing);
-        let place = |field: &SolidField| names.iter().position(|own| own == field);
+        let layer_spacings = problem.metric.as_ref().map_or(&[][..], |metric| &metric.spacing);
+        let index = |field: &SolidField| state_fields.iter().position(|own| own == field);
         Ok(Self {
             slopes: problem.scheme.sweep_slopes(),
             waves: std::array::from_fn(|axis| waves(axis, grid.spacing[axis], 0.5)),
-            row_waves: of_layers.iter().map(|spacing| waves(0, *spacing, 0.5)).collect(),
-            quarter_waves: waves(0, grid.spacing[0], 0.25),
+            waves_by_layer: layer_spacings.iter().map(|spacing| waves(0, *spacing, 0.5)).collect(),
+            quarter_step_waves: waves(0, grid.spacing[0], 0.25),
             boundaries: std::array::from_fn(|axis| {
                 [0, 1].map(|end| create_boundary(&problem, axis, end))
             }),
-            cell_laws: CellLaws::new(&problem, &names),
-            fields: vec![vec![T::ZERO; count]; names.len()],
+            cell_laws: CellLaws::new(&problem, &state_fields),
+            fields: vec![vec![T::ZERO; count]; state_fields.len()],
             interlayers: InterlayerFaces::new(&problem),
             work: WorkSums::default(),
             dissipation: CellDissipation::new(&problem, || Ok::<_, DomainError>(vec![0.0; count]))?,
             time_integrals: problem
                 .integrated_fields
                 .iter()
-                .filter_map(|field| Some((place(field)?, vec![0.0; count])))
+                .filter_map(|field| Some((index(field)?, vec![0.0; count])))
                 .collect(),
             watched_cells: Vec::new(),
             records: Vec::new(),
             steps: 0,
-            field_list: names,
+            state_fields,
             permutation,
             problem,
         })
     }
 
-    /// Returns the fields of the state.
+    /// Returns the fields of the state, in their order.
     pub fn fields(&self) -> &[SolidField] {
-        &self.field_list
+        &self.state_fields
     }
 
     /// Returns the grid, with the axes in the order of the sweeps.
@@ -134,11 +134,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.problem.grid
     }
 
-    /// Returns the time, s.
+    /// Returns the time of the present state, s.
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.problem.step
     }
 
+    /// Returns the index of a field in the list of fields.
     fn field_index(&self, field: SolidField) -> Option<usize> {
         self.fields().iter().position(|own| *own == field)
     }
@@ -151,10 +152,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Sets the values of a field (first axis fastest); excess values are ignored, missing ones leave cells unchanged.
     /// If another axis than the first is swept first, the list must be complete.
-    pub fn set(&mut self, field: SolidField, values: &[T]) {
+    pub fn set_field(&mut self, field: SolidField, values: &[T]) {
         let values = self.permutation.permute(values);
-        let Some(place) = self.field_index(field) else { return };
-        for (own, &value) in self.fields[place].iter_mut().zip(values.iter()) {
+        let Some(index) = self.field_index(field) else { return };
+        for (own, &value) in self.fields[index].iter_mut().zip(values.iter()) {
             *own = value;
         }
     }
@@ -162,10 +163,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Initialises interlayers with the mean velocity of the adjacent cells and without stress, see
     /// [`Domain::initialise_interlayers`](crate::solid::domain::Domain::initialise_interlayers).
     pub fn initialise_interlayers(&mut self) {
-        let Self { field_list, fields, interlayers, problem, .. } = self;
+        let Self { state_fields, fields, interlayers, problem, .. } = self;
         let value = |field, cell: usize| {
-            let place = field_list.iter().position(|own| *own == field);
-            place.map_or(T::ZERO, |own| fields[own][cell])
+            let index = state_fields.iter().position(|own| *own == field);
+            index.map_or(T::ZERO, |own| fields[own][cell])
         };
         interlayers.initialise(problem, value);
     }
@@ -208,8 +209,8 @@ fn create_boundary<T: Real, const D: usize>(
     let count = problem.grid.faces(axis);
     let faces: Vec<(usize, LaneIndex)> =
         (0..count).map(|face| (face, lane_index::<T>(face))).collect();
-    let own = |load: &&Load| (load.axis, load.end) == (axis, end);
-    let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
+    let is_at_end = |load: &&Load| (load.axis, load.end) == (axis, end);
+    let loads: Vec<&Load> = problem.loads.iter().filter(is_at_end).collect();
     let pairs = problem.media[0].pairs[axis].len();
     let groups = count.div_ceil(T::Lanes::COUNT);
     let slopes = problem.scheme.slopes;

@@ -39,8 +39,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// values are finite.
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let non_finite_field = |cell: &usize| {
-            let broken = self.fields.iter().position(|own| !own[*cell].to_f64().is_finite());
-            broken.map(|place| self.fields()[place])
+            let non_finite = self.fields.iter().position(|own| !own[*cell].to_f64().is_finite());
+            non_finite.map(|index| self.fields()[index])
         };
         let first = (0..self.problem.grid.count()).find(|cell| non_finite_field(cell).is_some());
         let (field, cell) = match first {
@@ -52,7 +52,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Returns the first cell, in the order of the sweeps, whose stress its projection onto the yield set changes;
     /// `None` if there is none.
-    pub fn first_beyond_yield(&self) -> Option<usize> {
+    pub fn first_cell_outside_yield_set(&self) -> Option<usize> {
         let cell = (0..self.problem.grid.count()).find(|&cell| {
             let stress = self.permuted_total_stress(cell);
             self.medium(cell).project(&stress).stress != stress
@@ -68,7 +68,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Records all output quantities of the watched cells in the present state.
-    pub fn record_watched(&mut self) {
+    pub fn record_watched_cells(&mut self) {
         let mut records = std::mem::take(&mut self.records);
         let boundaries = self.closing_boundaries();
         for &cell in &self.watched_cells {
@@ -117,8 +117,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         // End correction of the trapezoidal rule: subtracts half of the last value; alternating sweeps use the midpoint
         // rule.
         let last = if self.problem.scheme.is_alternating() { 0.0 } else { 0.5 * self.problem.step };
-        for (place, sums) in &self.time_integrals {
-            let sum = sums[cell] - last * self.fields[*place][cell].to_f64();
+        for (index, sums) in &self.time_integrals {
+            let sum = sums[cell] - last * self.fields[*index][cell].to_f64();
             values.push(if self.steps > 0 { sum } else { 0.0 });
         }
     }
@@ -143,7 +143,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let Some(boundaries) = boundaries else { return values };
         let line = GridLine { axis: 0, first, stride: 1, count: length, face: row };
         let mut line_fields_by_step = [LineFields::new(), LineFields::new()];
-        for (pair, wave) in self.quarter_waves.iter().enumerate() {
+        for (pair, wave) in self.quarter_step_waves.iter().enumerate() {
             let both =
                 [(wave, &boundaries.quarter_step), (&self.waves[0][pair], &boundaries.half_step)];
             for (line_fields, (wave, boundaries)) in line_fields_by_step.iter_mut().zip(both) {
@@ -181,8 +181,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let change = fraction * (line_fields.stress[GHOSTS + x] - before);
         values[wave.stress][x] = before + change;
         let medium = usize::from(self.problem.cell_media[cell]);
-        for (place, ratios) in &wave.passive_stresses {
-            let value = &mut values[*place][x];
+        for (index, ratios) in &wave.passive_stresses {
+            let value = &mut values[*index][x];
             *value = *value + ratios[medium] * change;
         }
     }
@@ -192,19 +192,19 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.permutation.unpermute(self.dissipation.plastic_dissipation.clone())
     }
 
-    /// Computes the energy sums.
+    /// Computes the exact sums of the energies over cells and interlayers.
     pub(super) fn energy_sums(&self) -> EnergySums {
-        let (terms, kinetic) = energy_terms_by_medium(&self.problem.media, &self.field_list);
+        let (terms, kinetic) = energy_terms_by_medium(&self.problem.media, &self.state_fields);
         let mut sums = EnergySums::default();
         for (cell, medium) in self.problem.cell_media.iter().enumerate() {
-            let mut of_cell = [0.0; 2];
+            let mut cell_energies = [0.0; 2];
             for (term, ([one, other], factors)) in terms.iter().enumerate() {
                 let factor = T::from_f64(factors[usize::from(*medium)]);
-                let [one, other] = [one, other].map(|place| self.fields[*place][cell].to_f64());
-                of_cell[usize::from(term >= kinetic)] += factor.to_f64() * one * other;
+                let [one, other] = [one, other].map(|index| self.fields[*index][cell].to_f64());
+                cell_energies[usize::from(term >= kinetic)] += factor.to_f64() * one * other;
             }
-            sums.kinetic.add(of_cell[0]);
-            sums.stored.add(of_cell[1]);
+            sums.kinetic.add(cell_energies[0]);
+            sums.stored.add(cell_energies[1]);
         }
         sums.interlayers = self.interlayers.sum_energies(&self.problem);
         sums

@@ -1,7 +1,7 @@
 //! Sequence of operations of a time step; notation, theory and references: `step` of the fused solver.
 
 use super::Reference;
-use crate::solid::cell_laws::Interval;
+use crate::solid::cell_laws::LawInterval;
 use crate::solid::domain::SolverReal;
 use crate::solid::problem::PlasticStep;
 
@@ -20,7 +20,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             if !self.problem.scheme.is_alternating() {
                 self.accumulate_integrals(1.0);
             }
-            self.record_watched();
+            self.record_watched_cells();
         }
     }
 
@@ -41,7 +41,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.interlayers.advance_fluid(step);
         let sources =
             [self.integrate_signals([start, middle]), self.integrate_signals([middle, end])];
-        self.apply_local_operators(&sources);
+        self.apply_cell_operators(&sources);
 
         for axis in (0..D).rev() {
             self.sweep(axis, [start + 0.75 * step, end]);
@@ -52,24 +52,25 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Applies K Q K with relaxation, and with the reflection 2P − I in the middle if the scheme requires it.
-    fn apply_local_operators(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
+    fn apply_cell_operators(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
         self.apply_sources(&sources[0]);
         match self.problem.scheme.plastic_step {
             PlasticStep::MidpointReflection if !self.dissipation.plastic_dissipation.is_empty() => {
-                self.rotate_spins(Interval::HalfStep);
-                self.relax(Interval::HalfStep);
+                self.rotate_spins(LawInterval::HalfStep);
+                self.relax(LawInterval::HalfStep);
                 self.map_cells_scalar(true);
-                self.relax(Interval::HalfStep);
-                self.rotate_spins(Interval::HalfStep);
+                self.relax(LawInterval::HalfStep);
+                self.rotate_spins(LawInterval::HalfStep);
             }
             _ => {
                 // The rotation by the curvature does not commute with the other laws: half of the rotation before, half
                 // after them.
                 let has_other_laws = self.cell_laws.has_rotation_or_relaxation();
-                let interval = if has_other_laws { Interval::HalfStep } else { Interval::Step };
+                let interval =
+                    if has_other_laws { LawInterval::HalfStep } else { LawInterval::Step };
                 self.rotate_by_curvature(interval);
-                self.rotate_spins(Interval::Step);
-                self.relax(Interval::Step);
+                self.rotate_spins(LawInterval::Step);
+                self.relax(LawInterval::Step);
                 if has_other_laws {
                     self.rotate_by_curvature(interval);
                 }
@@ -95,14 +96,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let sources =
             [self.integrate_signals([start, middle]), self.integrate_signals([middle, end])];
         self.apply_sources(&sources[0]);
-        self.rotate_spins(Interval::HalfStep);
-        self.relax(Interval::HalfStep);
+        self.rotate_spins(LawInterval::HalfStep);
+        self.relax(LawInterval::HalfStep);
         // Time integrals use the mean of the states before and after the sweep, which is second order at mid-step.
         self.accumulate_integrals(0.5);
         self.sweep(0, [middle, end]);
         self.accumulate_integrals(0.5);
-        self.relax(Interval::HalfStep);
-        self.rotate_spins(Interval::HalfStep);
+        self.relax(LawInterval::HalfStep);
+        self.rotate_spins(LawInterval::HalfStep);
         self.apply_sources(&sources[1]);
 
         for axis in (1..D).rev() {

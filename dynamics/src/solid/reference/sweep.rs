@@ -16,7 +16,7 @@ use crate::solid::riemann::State;
 use models::interface::Interval;
 use models::solid::waves::SolidField;
 
-/// A wave pair along an axis.
+/// A wave pair along an axis, with its constants by medium.
 #[derive(Clone)]
 pub(super) struct ReferenceWavePair<T: Real> {
     /// Cell length along the axis, m; `step_fraction`: fraction of a time step per sweep.
@@ -43,12 +43,15 @@ impl<T: Real> ReferenceWavePair<T> {
     ) -> Self {
         let Problem { media, scheme, step, .. } = problem;
         let fields = &media[0].fields;
-        let place = |field: SolidField| fields.iter().position(|own| *own == field).unwrap_or(0);
+        let field_index =
+            |field: SolidField| fields.iter().position(|own| *own == field).unwrap_or(0);
         let pairs = || media.iter().map(|medium| &medium.pairs[axis][pair]);
-        let mut places: Vec<usize> =
-            pairs().flat_map(|own| &own.passive_stresses).map(|(field, _)| place(*field)).collect();
-        places.sort_unstable();
-        places.dedup();
+        let mut passive_indices: Vec<usize> = pairs()
+            .flat_map(|own| &own.passive_stresses)
+            .map(|(field, _)| field_index(*field))
+            .collect();
+        passive_indices.sort_unstable();
+        passive_indices.dedup();
         let passive = |index: usize| {
             let ratio = |own: &models::solid::waves::VelocityStressPair| {
                 let found = own.passive_stresses.iter().find(|own| own.0 == fields[index]);
@@ -64,32 +67,36 @@ impl<T: Real> ReferenceWavePair<T> {
         Self {
             spacing,
             step_fraction,
-            velocity: place(media[0].pairs[axis][pair].velocity),
-            stress: place(media[0].pairs[axis][pair].stress),
+            velocity: field_index(media[0].pairs[axis][pair].velocity),
+            stress: field_index(media[0].pairs[axis][pair].stress),
             ghost_coefficients: cells.iter().map(GhostCoefficients::new).collect(),
             cells,
-            passive_stresses: places.into_iter().map(passive).collect(),
+            passive_stresses: passive_indices.into_iter().map(passive).collect(),
         }
     }
 }
 
-/// The cells of a line, and the index of the line among the faces of its boundaries.
+/// A line of cells along an axis.
 #[derive(Clone, Copy)]
 pub(super) struct GridLine {
     pub(super) axis: usize,
+    /// Index of the first cell of the line.
     pub(super) first: usize,
+    /// Difference of the indices of successive cells.
     pub(super) stride: usize,
+    /// Number of cells of the line.
     pub(super) count: usize,
+    /// Index of the line among the faces of its boundaries.
     pub(super) face: usize,
 }
 
 impl GridLine {
-    pub(super) fn cell(&self, place: usize) -> usize {
-        self.first + place * self.stride
+    pub(super) fn cell(&self, index: usize) -> usize {
+        self.first + index * self.stride
     }
 
-    /// Returns the place at a depth (0: outermost cell) from an end of the line; it wraps around if the line has no
-    /// more than `depth` cells.
+    /// Returns the position in the line of the cell at a depth (0: outermost cell) from an end; it wraps around if the
+    /// line has no more than `depth` cells.
     fn index_from_end(&self, end: usize, depth: usize) -> usize {
         [depth % self.count, self.count - 1 - depth % self.count][end]
     }
@@ -133,20 +140,20 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// the sweep, s.
     pub(super) fn sweep(&mut self, axis: usize, times: [f64; 2]) {
         let waves = std::mem::take(&mut self.waves[axis]);
-        let row_waves = std::mem::take(&mut self.row_waves);
+        let waves_by_layer = std::mem::take(&mut self.waves_by_layer);
         self.sweep_axis(
             axis,
-            |row| row_waves.get(row).filter(|_| axis == 0).unwrap_or(&waves),
+            |row| waves_by_layer.get(row).filter(|_| axis == 0).unwrap_or(&waves),
             times,
         );
-        (self.waves[axis], self.row_waves) = (waves, row_waves);
+        (self.waves[axis], self.waves_by_layer) = (waves, waves_by_layer);
     }
 
     /// Sweeps by a quarter of a step along the first axis; `times` as for [`Self::sweep`].
     pub(super) fn sweep_quarter_step(&mut self, times: [f64; 2]) {
-        let waves = std::mem::take(&mut self.quarter_waves);
+        let waves = std::mem::take(&mut self.quarter_step_waves);
         self.sweep_axis(0, |_| &waves, times);
-        self.quarter_waves = waves;
+        self.quarter_step_waves = waves;
     }
 
     /// Sweeps along an axis; `times` as for [`Self::sweep`]; `waves` returns the wave pairs of a line, given its face
@@ -214,19 +221,19 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             let time = wave.step_fraction * self.problem.step;
             // Accounts are powers per area: the factor is area times duration, m² s.
             let face_time = self.problem.grid.volume() / wave.spacing * time;
-            for place in 0..line.count {
-                let cell = line.cell(place);
+            for position in 0..line.count {
+                let cell = line.cell(position);
                 let medium = usize::from(self.problem.cell_media[cell]);
-                let change = line_fields.stress[GHOSTS + place] - self.fields[wave.stress][cell];
-                self.fields[wave.velocity][cell] = line_fields.velocity[GHOSTS + place];
-                self.fields[wave.stress][cell] = line_fields.stress[GHOSTS + place];
+                let change = line_fields.stress[GHOSTS + position] - self.fields[wave.stress][cell];
+                self.fields[wave.velocity][cell] = line_fields.velocity[GHOSTS + position];
+                self.fields[wave.stress][cell] = line_fields.stress[GHOSTS + position];
                 for (index, ratios) in &wave.passive_stresses {
                     let value = &mut self.fields[*index][cell];
                     *value = *value + ratios[medium] * change;
                 }
                 self.work
                     .numerical_dissipation
-                    .add(face_time * line_fields.accounts[place].dissipation);
+                    .add(face_time * line_fields.accounts[position].dissipation);
             }
             for work in powers.into_iter().filter(|work| *work != 0.0) {
                 self.work.boundary_work.add(face_time * work);
@@ -247,7 +254,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         line_fields.cells.clear();
         let [front, back] = [0, 1].map(|end| self.compute_end_ghosts(line, wave, boundaries, end));
         front.into_iter().rev().for_each(|own| line_fields.push(own));
-        (0..line.count).for_each(|place| line_fields.push(self.read_cell(line, wave.1, place)));
+        (0..line.count)
+            .for_each(|position| line_fields.push(self.read_cell(line, wave.1, position)));
         back.into_iter().for_each(|own| line_fields.push(own));
     }
 
@@ -256,9 +264,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         &self,
         line: GridLine,
         wave: &ReferenceWavePair<T>,
-        place: usize,
+        position: usize,
     ) -> (State<T>, CellConstants<T>) {
-        let cell = line.cell(place);
+        let cell = line.cell(position);
         let state = State {
             velocity: self.fields[wave.velocity][cell],
             stress: self.fields[wave.stress][cell],
@@ -274,14 +282,15 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         boundaries: &[BoundaryFaces<T>; 2],
         end: usize,
     ) -> [(State<T>, CellConstants<T>); GHOSTS] {
-        let at =
+        let cell_from_end =
             |end: usize, depth: usize| self.read_cell(line, wave, line.index_from_end(end, depth));
         let BoundaryFaces::Physical(rule) = &boundaries[end] else {
-            return std::array::from_fn(|depth| at(1 - end, depth));
+            return std::array::from_fn(|depth| cell_from_end(1 - end, depth));
         };
         let face = lane_index::<T>(line.face);
         if line.count >= CLOSURE_CELLS {
-            let outer_cells: [_; CLOSURE_CELLS] = std::array::from_fn(|depth| at(end, depth));
+            let outer_cells: [_; CLOSURE_CELLS] =
+                std::array::from_fn(|depth| cell_from_end(end, depth));
             let medium = self.problem.cell_media[line.cell(line.index_from_end(end, 0))];
             let ghost_coefficients = &wave.ghost_coefficients[usize::from(medium)];
             let (states, cells) = (outer_cells.map(|own| own.0), outer_cells.map(|own| own.1));
@@ -301,7 +310,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             stress: image([rule[2], rule[3]], own.stress),
         };
         std::array::from_fn(|depth| {
-            let (mut source_state, cell) = at(end, depth);
+            let (mut source_state, cell) = cell_from_end(end, depth);
             // In a line of one cell the second ghost is the image of the ghost at the other end.
             if let (BoundaryFaces::Physical(other), true) =
                 (&boundaries[1 - end], depth >= line.count)
@@ -327,13 +336,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             _ => return 0.0,
         }
         let first = [0, line.count][end];
-        let at = |place: usize| State {
-            velocity: line_fields.velocity[place],
-            stress: line_fields.stress[place],
+        let state_at = |index: usize| State {
+            velocity: line_fields.velocity[index],
+            stress: line_fields.stress[index],
         };
-        let states = [0, 1, 2, 3].map(|i| at(first + i));
+        let states = [0, 1, 2, 3].map(|i| state_at(first + i));
         let cells = [0, 1, 2, 3].map(|i| line_fields.cells[first + i]);
-        let work = line::boundary_power(states, cells, self.slopes);
-        if end == 0 { -work } else { work }
+        let power = line::boundary_power(states, cells, self.slopes);
+        if end == 0 { -power } else { power }
     }
 }

@@ -19,7 +19,7 @@ pub const ROCK_SPEEDS: [f64; 2] = [5000.0, 3000.0];
 /// Thicknesses of interlayers, m.
 pub const THICKNESSES: [f64; 3] = [1e-4, 1e-3, 5e-3];
 
-/// Returns the rock of the blocks.
+/// Returns the medium of the blocks: rock in plane strain.
 pub fn rock() -> Medium {
     let [longitudinal, shear] = ROCK_SPEEDS.map(|speed| ROCK_DENSITY * speed * speed);
     let solid = Isotropic::new(longitudinal - 2.0 * shear, shear, ROCK_DENSITY, None);
@@ -33,7 +33,7 @@ pub fn layer_material(thickness: f64) -> ElasticMaterial {
 
 /// Returns the elastic law of interlayers of a thickness, m, with mass in a box.
 pub fn elastic_layer(thickness: f64) -> LayerLaw<f64> {
-    LayerMaterial::Elastic(layer_material(thickness)).law(MassDistribution::Box)
+    LayerMaterial::Elastic(layer_material(thickness)).to_law(MassDistribution::Box)
 }
 
 /// Returns a problem of `blocks` blocks of rock of `cells` × `cells` cells, with the same law between all of them; the

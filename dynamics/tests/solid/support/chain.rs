@@ -12,9 +12,9 @@ pub struct BlockChain {
     pub cells_per_block: usize,
     /// Number of blocks of the chain.
     pub block_count: usize,
-    /// Impedance of the cells.
+    /// Impedance z of the cells.
     pub z: f64,
-    /// Interlayers, of the box scheme.
+    /// Law of the interlayers, of the box scheme.
     pub law: ElasticComponent<f64>,
     /// Duration of a sweep.
     pub step: f64,
@@ -48,18 +48,18 @@ impl BlockChain {
     /// the interlayer impedance z′ = √(m/C).
     fn bloch_cosine(&self, frequency: f64) -> f64 {
         let [theta, psi] = self.phase_angles(frequency);
-        let own = (self.law.mass.mass / self.law.compliance).sqrt();
-        let ratio = 0.5 * (self.z / own + own / self.z);
+        let layer_impedance = (self.law.mass.mass / self.law.compliance).sqrt();
+        let ratio = 0.5 * (self.z / layer_impedance + layer_impedance / self.z);
         theta.cos() * psi.cos() - ratio * theta.sin() * psi.sin()
     }
 
     /// Finds the frequency of a branch, counted from 0, at the Bloch phase κh in [0, π], by bisection.
     fn branch_frequency(&self, phase: f64, branch: usize) -> f64 {
-        let wanted = phase.cos();
+        let target = phase.cos();
         let mut found = Vec::new();
         let end = 0.9 * PI / (self.cells_per_block as f64 * self.step) * (branch as f64 + 2.0);
         let points = 200_000;
-        let difference = |frequency: f64| self.bloch_cosine(frequency) - wanted;
+        let difference = |frequency: f64| self.bloch_cosine(frequency) - target;
         for i in 0..points {
             let [mut low, mut high] = [i, i + 1].map(|i| end * f64::from(i) / f64::from(points));
             if difference(low).signum() == difference(high).signum() {
@@ -85,15 +85,15 @@ impl BlockChain {
 
     /// Finds the frequency of the band edge κh = π next to a frequency just inside the band. There the Bloch relation
     /// factorises into tan ½θ tan ½ψ = z/z′ and tan ½θ tan ½ψ = z′/z, z′ = √(m/C), which have simple roots.
-    fn find_band_edge(&self, near: f64) -> f64 {
-        let own = (self.law.mass.mass / self.law.compliance).sqrt();
-        let find = |ratio: f64| {
+    fn find_band_edge(&self, guess: f64) -> f64 {
+        let layer_impedance = (self.law.mass.mass / self.law.compliance).sqrt();
+        let find_factor_root = |ratio: f64| {
             // Root of cos ½θ cos ½ψ − r sin ½θ sin ½ψ, with r = `ratio`, by Newton's method with a difference quotient.
             let factor = |frequency: f64| {
                 let [theta, psi] = self.phase_angles(frequency).map(|angle| 0.5 * angle);
                 theta.cos() * psi.cos() - ratio * theta.sin() * psi.sin()
             };
-            let mut frequency = near;
+            let mut frequency = guess;
             for _ in 0..20 {
                 let small = 1e-6 * frequency;
                 let slope = (factor(frequency + small) - factor(frequency - small)) / (2.0 * small);
@@ -101,32 +101,36 @@ impl BlockChain {
             }
             frequency
         };
-        let both = [find(own / self.z), find(self.z / own)];
-        let nearer = |a: f64, b: f64| if (a - near).abs() < (b - near).abs() { a } else { b };
-        nearer(both[0], both[1])
+        let candidates = [
+            find_factor_root(layer_impedance / self.z),
+            find_factor_root(self.z / layer_impedance),
+        ];
+        let nearer = |a: f64, b: f64| if (a - guess).abs() < (b - guess).abs() { a } else { b };
+        nearer(candidates[0], candidates[1])
     }
 
     /// Computes the amplitudes of the right- and left-going waves in the first cell of a block, and of the velocity V
     /// and stress S of the interlayer at its lower face, for modes exp(i(ωt − κx)): the null vector of the interlayer
     /// equations with Bloch phases.
     fn mode_amplitudes(&self, frequency: f64, phase: f64) -> [Complex<f64>; 4] {
-        let turn = |angle: f64| Complex::from_polar(1.0, angle);
-        let of_step = turn(frequency * self.step);
+        let phase_factor = |angle: f64| Complex::from_polar(1.0, angle);
+        let step_factor = phase_factor(frequency * self.step);
         let (z, m, c) = (self.z, self.law.mass.mass / self.step, self.law.compliance / self.step);
         let half = Complex::new(0.5, 0.0);
         // After n steps the right-going wave in cell j of a block is a exp(iω(n − j)Δt), the left-going one b
         // exp(iω(n + j)Δt), with the amplitudes a and b. The last cell of the previous block differs from that of this
         // block by the factor e^{iκh}:
-        let through = frequency * self.step * (self.cells_per_block as f64 - 1.0);
-        let [right_before, left_before] = [turn(phase - through), turn(phase + through)];
+        let block_phase = frequency * self.step * (self.cells_per_block as f64 - 1.0);
+        let [right_before, left_before] =
+            [phase_factor(phase - block_phase), phase_factor(phase + block_phase)];
         // Incoming waves: cell means before the step; outgoing waves: cell means after it.
         // v⁻ = (left − right)/2z with the left-going wave of the last cell after the step.
-        let left = left_before * of_step;
+        let left = left_before * step_factor;
         let velocity_before = [-right_before / (2.0 * z), left / (2.0 * z)];
         let stress_before = [right_before * half, left * half];
-        let velocity_after = [-of_step / (2.0 * z), Complex::from(1.0 / (2.0 * z))];
-        let stress_after = [of_step * half, half];
-        let (sum, change) = (half * (of_step + 1.0), of_step - 1.0);
+        let velocity_after = [-step_factor / (2.0 * z), Complex::from(1.0 / (2.0 * z))];
+        let stress_after = [step_factor * half, half];
+        let (sum, change) = (half * (step_factor + 1.0), step_factor - 1.0);
         let zero = Complex::ZERO;
         let matrix = Matrix4::from_rows(&[
             [
@@ -181,18 +185,21 @@ impl ChainMode<'_> {
     /// Computes the state after `number` sweeps.
     pub fn state(&self, number: usize) -> ChainState {
         let (chain, mode) = (self.chain, self.amplitudes);
-        let turn = |angle: f64| Complex::from_polar(1.0, angle);
-        let now = turn(self.frequency * chain.step * number as f64);
+        let phase_factor = |angle: f64| Complex::from_polar(1.0, angle);
+        let time_factor = phase_factor(self.frequency * chain.step * number as f64);
         let mut state = ChainState { velocity: Vec::new(), stress: Vec::new(), layers: Vec::new() };
         for block in 0..chain.block_count {
-            let own = now * turn(-self.phase * block as f64);
+            let block_factor = time_factor * phase_factor(-self.phase * block as f64);
             for j in 0..chain.cells_per_block {
-                let way = self.frequency * chain.step * j as f64;
-                let (right, left) = (own * mode[0] * turn(-way), own * mode[1] * turn(way));
+                let cell_phase = self.frequency * chain.step * j as f64;
+                let (right, left) = (
+                    block_factor * mode[0] * phase_factor(-cell_phase),
+                    block_factor * mode[1] * phase_factor(cell_phase),
+                );
                 state.velocity.push(((left - right) / (2.0 * chain.z)).re);
                 state.stress.push((0.5 * (left + right)).re);
             }
-            state.layers.push([(own * mode[2]).re, (own * mode[3]).re]);
+            state.layers.push([(block_factor * mode[2]).re, (block_factor * mode[3]).re]);
         }
         state
     }

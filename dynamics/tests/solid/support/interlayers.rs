@@ -1,4 +1,4 @@
-//! Random interlayers.
+//! Random interlayers, and junctions of saturated ones.
 
 use super::random::NoiseSequence;
 use models::interface::elastic::{ElasticComponent, ElasticMaterial};
@@ -48,10 +48,10 @@ fn random_saturated(random: &mut NoiseSequence) -> SaturatedMaterial {
     SaturatedMaterial { fluid_stiffness, coupling_stiffness, ..without_stiffness }
 }
 
-/// Number of materials of [`material_of_kind`].
+/// Number of kinds of layer materials that [`material_of_kind`] builds.
 pub const MATERIAL_KINDS: usize = 10;
 
-/// Random constants of layers for stresses of order one.
+/// Material constants of a layer, for stresses of order one.
 struct LayerConstants {
     elastic: ElasticMaterial,
     plastic: PlasticConstants,
@@ -110,9 +110,9 @@ pub fn layers_of_all_kinds(random: &mut NoiseSequence) -> Vec<LayerLaw<f64>> {
         for kind in 0..MATERIAL_KINDS {
             let constants = random_constants(random);
             let material = material_of_kind(random, kind, constants);
-            laws.push(material.check().expect("sound constants").law(distribution));
+            laws.push(material.check().expect("sound constants").to_law(distribution));
         }
-        laws.push(LayerMaterial::Elastic(random_constants(random).elastic).law(distribution));
+        laws.push(LayerMaterial::Elastic(random_constants(random).elastic).to_law(distribution));
     }
     laws
 }
@@ -123,7 +123,7 @@ pub fn random_layer(random: &mut NoiseSequence) -> LayerLaw<f64> {
     let kind = random.uniform_index(MATERIAL_KINDS);
     let material = material_of_kind(random, kind, constants);
     let distribution = [MassDistribution::Box, MassDistribution::Lumped][random.uniform_index(2)];
-    material.check().expect("sound constants").law(distribution)
+    material.check().expect("sound constants").to_law(distribution)
 }
 
 /// Returns a random law for an axis of a medium: of any kind in a classical solid in the plane, else elastic.
@@ -135,15 +135,15 @@ fn random_law(random: &mut NoiseSequence, axis: usize, medium: &Medium) -> Inter
 }
 
 /// Returns interlayers normal to an axis of a grid of `cells` cells, at the lower faces of cells `offset`,
-/// `offset + every`, …: one law, or a random law, or none, at each face.
+/// `offset + block_cells`, …: one law, or a random law, or none, at each face.
 pub fn random_interlayers(
     random: &mut NoiseSequence,
     (axis, cells): (usize, &[usize]),
-    [offset, every]: [usize; 2],
+    [offset, block_cells]: [usize; 2],
     medium: &Medium,
 ) -> Interlayers {
     let law = random_law(random, axis, medium);
-    let mut interlayers = Interlayers::new_regular(axis, cells[axis], [offset, every], law);
+    let mut interlayers = Interlayers::new_regular(axis, cells[axis], [offset, block_cells], law);
     interlayers.has_open_ends = random.is_one_in(2);
     if random.is_one_in(2) {
         let count = 1 + random.uniform_index(3);
@@ -167,8 +167,8 @@ pub fn count_saturated_junctions<const D: usize>(problem: &Problem<D>) -> usize 
     // Bit 1: a layer normal to the first axis ends there; bit 2: one normal to the second axis.
     let mut vertices = std::collections::BTreeMap::<[usize; 2], u8>::new();
     for face in problem.interlayer_faces() {
-        let own = problem.interlayers.iter().find(|own| own.axis == face.axis);
-        let law = own.and_then(|own| own.laws.get(face.law));
+        let interlayers = problem.interlayers.iter().find(|own| own.axis == face.axis);
+        let law = interlayers.and_then(|own| own.laws.get(face.law));
         let Some(InterlayerLaw::Plane(LayerLaw::Saturated(_), _)) = law else { continue };
         let along = 1 - face.axis;
         let lower = [face.cell % cells[0], face.cell / cells[0]];

@@ -15,7 +15,7 @@ impl NoiseSequence {
         Self { seed, drawn_count: 0 }
     }
 
-    /// Returns the seed.
+    /// Returns the seed of the generator.
     pub fn seed(&self) -> u64 {
         self.seed
     }

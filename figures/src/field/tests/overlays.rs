@@ -13,7 +13,7 @@ fn sample_set(style: FieldLineStyle, lines: Vec<FieldLine>) -> FieldLineSet {
     FieldLineSet { style, label: "slip".to_owned(), unit: "m".to_owned(), lines, limit: 2.0 }
 }
 
-/// Vertical line through the middle.
+/// Vertical line through the middle of the field.
 fn middle_line(value: f64) -> FieldLine {
     FieldLine { axis: 0, centre: [6.0, 4.0], length: 4.0, value }
 }
@@ -32,7 +32,7 @@ fn middle_colours(figure: &FieldFigure, axis: usize) -> Vec<[u8; 3]> {
         .collect()
 }
 
-fn count(colours: &[[u8; 3]], colour: Colour) -> usize {
+fn count_colour(colours: &[[u8; 3]], colour: Colour) -> usize {
     colours.iter().filter(|own| **own == channels(colour)).count()
 }
 
@@ -42,7 +42,7 @@ fn thickness_of_lines_grows_with_their_value() {
     let widths = [0.1, 0.9, 2.0, 7.0].map(|value| {
         figure.line_sets = vec![sample_set(FieldLineStyle::Solid, vec![middle_line(value)])];
         check_figure(&figure);
-        count(&middle_colours(&figure, 0), INK)
+        count_colour(&middle_colours(&figure, 0), INK)
     });
     assert!(widths[0] >= 1 && widths[0] < widths[1] && widths[1] < widths[2], "{widths:?}");
     // Values beyond the limit have the largest width.
@@ -52,8 +52,8 @@ fn thickness_of_lines_grows_with_their_value() {
     assert!(!has_text(&figure, "slip"));
 }
 
-/// Styles are told apart without colours: a solid line is ink, a gap is white between two lines of ink, a dashed line
-/// changes along its length, an outline is grey.
+/// Verifies that styles are distinguished without colours: a solid line is ink, a gap is white between two lines of
+/// ink, a dashed line changes along its length, an outline is grey.
 #[test]
 fn styles_of_lines_differ_in_shape() {
     let mut figure = blank_figure();
@@ -63,16 +63,16 @@ fn styles_of_lines_differ_in_shape() {
         middle_colours(&figure, axis)
     };
     let solid = draw(FieldLineStyle::Solid, 1);
-    assert_eq!(count(&solid, INK), solid.len());
+    assert_eq!(count_colour(&solid, INK), solid.len());
     let gap = draw(FieldLineStyle::Gap, 0);
     let ink: Vec<usize> = (0..gap.len()).filter(|place| gap[*place][0] < 100).collect();
     let [first, last] = [ink[0], ink[ink.len() - 1]];
     assert!(first < 18 && last > 22 && gap[20] == channels(WHITE), "{gap:?}");
     let dashed = draw(FieldLineStyle::Dashed, 1);
-    let dark = count(&dashed, INK);
+    let dark = count_colour(&dashed, INK);
     assert!((20..30).contains(&dark), "{dark} of {}", dashed.len());
     let outline = draw(FieldLineStyle::Outline, 0);
-    assert_eq!(count(&outline, INK), 0);
+    assert_eq!(count_colour(&outline, INK), 0);
     assert!(outline.iter().any(|own| own[0] < 200));
 }
 
@@ -108,6 +108,42 @@ fn dense_lines_differ_in_darkness_and_lose_their_outlines() {
     figure.line_sets[1].lines.clear();
     assert!(!has_text(&figure, "not drawn"));
     check_figure(&figure);
+}
+
+/// Verifies that coloured lines have the colours of their values, that the scale covers these values, and that lines with
+/// small values leave the outlines below them visible.
+#[test]
+fn coloured_lines_have_the_colours_of_the_scale() {
+    use crate::field::colour_map::{ColourScale, SHADE_COUNT};
+    let outline = FieldLineSet {
+        label: "joints".to_owned(),
+        ..sample_set(FieldLineStyle::Outline, vec![middle_line(0.0)])
+    };
+    let mut figure = blank_figure();
+    let largest = FieldLine { centre: [2.0, 4.0], ..middle_line(-8.0) };
+    for is_signed in [true, false] {
+        figure.is_signed = is_signed;
+        // An unsigned quantity with negative values would become signed.
+        let largest = FieldLine { value: if is_signed { -8.0 } else { 8.0 }, ..largest };
+        for (value, step) in [(8.0, SHADE_COUNT), (4.0, SHADE_COUNT / 2), (2.0, SHADE_COUNT / 4)] {
+            let lines = vec![middle_line(value), largest];
+            figure.line_sets = vec![outline.clone(), sample_set(FieldLineStyle::Coloured, lines)];
+            let scale = ColourScale::from_figure(&figure);
+            assert_eq!((scale.limit, scale.is_signed), (8.0, is_signed));
+            let colour = scale.step_colour(step);
+            assert!((4..8).contains(&count_colour(&middle_colours(&figure, 0), colour)), "{value}");
+            check_figure(&figure);
+        }
+    }
+    assert!(has_text(&figure, "slip, above 5 % of the scale") && !has_text(&figure, "everywhere"));
+    let pale = sample_set(FieldLineStyle::Coloured, vec![middle_line(0.2), largest]);
+    figure.line_sets = vec![outline.clone(), pale];
+    let is_grey = |own: &[u8; 3]| own[0] < 200 && own[0] == own[1] && own[1] == own[2];
+    assert!(middle_colours(&figure, 0).iter().any(is_grey));
+    // Lines of zeros alone are said to be zero.
+    let zeros = sample_set(FieldLineStyle::Coloured, vec![middle_line(0.0)]);
+    figure.line_sets = vec![outline, zeros];
+    assert!(has_text(&figure, "zero everywhere"));
 }
 
 #[test]
@@ -155,7 +191,7 @@ fn sample_arrows(count: [i32; 2], vector: impl Fn(f64, f64) -> [f64; 2]) -> Fiel
     }
 }
 
-/// Arrows point upwards for a positive second component: the head, which is wider, is above the middle.
+/// Verifies that arrows point upwards for a positive second component: the head, which is wider, is above the middle.
 #[test]
 fn arrows_have_direction_and_scale() {
     for (vector, is_upward) in [([0.0, 3.0], true), ([0.0, -3.0], false)] {
@@ -219,7 +255,9 @@ fn any_lines_and_arrows_are_drawn() {
     }
     for limit in odd {
         let set = FieldLineSet { limit, ..sample_set(FieldLineStyle::Dashed, lines.clone()) };
-        figure.line_sets = vec![set.clone(), FieldLineSet { style: FieldLineStyle::Gap, ..set }];
+        let styled = |style| FieldLineSet { style, ..set.clone() };
+        figure.line_sets =
+            vec![set.clone(), styled(FieldLineStyle::Gap), styled(FieldLineStyle::Coloured)];
         check_figure(&figure);
     }
     figure.line_sets.clear();

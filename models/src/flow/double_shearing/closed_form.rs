@@ -31,7 +31,10 @@ use crate::flow::state::DeformingFlow;
 /// ```text
 /// Re ς/k → √(q cos(φ − 2ν) (1 + sin φ) / [ρ sin e (cos e + sin ν)]).
 /// ```
-pub fn closed_form(model: &DoubleShearing, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+pub fn closed_form_verdict(
+    model: &DoubleShearing,
+    flow: &DeformingFlow,
+) -> Option<ClosedFormVerdict> {
     if !is_below_right_angle(model.coulomb.friction_angle) || !has_safe_magnitudes(flow) {
         return None;
     }
@@ -45,9 +48,9 @@ pub fn max_growth_coefficient(model: &DoubleShearing, deviator: Rounded, density
     let rule = model.flow_rule();
     let phi = Rounded::from_angle(model.coulomb.friction_angle);
     let nu = Rounded::from_angle(model.dilatancy_angle);
-    let above = deviator * (phi - 2.0 * nu).cos() * (Rounded::ONE + phi.sin());
-    let below = Rounded::from_rounded(density)
+    let numerator = deviator * (phi - 2.0 * nu).cos() * (Rounded::ONE + phi.sin());
+    let denominator = Rounded::from_rounded(density)
         * rule.rotation_coefficient
         * (rule.volume_coefficient + rule.dilatancy_coefficient);
-    (above / below).sqrt()
+    (numerator / denominator).sqrt()
 }

@@ -40,11 +40,11 @@ impl FlowLaw for DoubleShearing {
         MaterialRotation::StressAxes
     }
 
-    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+    fn write_symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
         symbol::write_symbol(self, flow, system);
     }
 
-    fn closed_form(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
-        closed_form::closed_form(self, flow)
+    fn closed_form_verdict(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+        closed_form::closed_form_verdict(self, flow)
     }
 }

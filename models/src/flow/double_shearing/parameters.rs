@@ -44,7 +44,7 @@ impl DoubleShearing {
     ///
     /// `deviator` q in Pa, `density` ρ in kg/m³, `beta` β in rad; Ψ_Σ is the stress angle, ψ_K the angle of the wave
     /// vector.
-    pub fn leading_coefficient(&self, deviator: f64, density: f64, beta: f64) -> f64 {
+    pub fn growth_coefficient(&self, deviator: f64, density: f64, beta: f64) -> f64 {
         let sin_phi = self.coulomb.friction_angle.cr_sin();
         (beta.cr_cos() - sin_phi).abs()
             * (deviator / (density * sin_phi * (1.0 - sin_phi * beta.cr_cos()))).sqrt()

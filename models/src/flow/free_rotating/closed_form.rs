@@ -5,7 +5,7 @@ use crate::flow::double_shearing::parameters::DoubleShearing;
 
 /// Returns *indeterminate* in every background: the model has one equation fewer than unknowns. The equations are
 /// independent, since with a prescribed spin they form a determinate model.
-pub fn closed_form(model: &DoubleShearing) -> ClosedFormVerdict {
+pub fn closed_form_verdict(model: &DoubleShearing) -> ClosedFormVerdict {
     // Two velocity components, spin, pressure and stress angle; with dilatancy also the density.
     let unknowns = 5 + usize::from(model.flow_rule().is_dilatant);
     ClosedFormVerdict::Indeterminate { rank: unknowns - 1, unknowns }

@@ -39,11 +39,11 @@ impl FlowLaw for FreeRotating {
         MaterialRotation::Free
     }
 
-    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+    fn write_symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
         symbol::write_symbol(&self.0, flow, system);
     }
 
-    fn closed_form(&self, _flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
-        Some(closed_form::closed_form(&self.0))
+    fn closed_form_verdict(&self, _flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+        Some(closed_form::closed_form_verdict(&self.0))
     }
 }

@@ -12,7 +12,10 @@ use std::f64::consts::PI;
 /// Returns the verdict for ν = 0 in every background and for ν > 0 in a uniform, unaccelerated background without
 /// rotational stress; otherwise `None`. Also `None` if the verdict is not certain: φ too close to a right angle,
 /// numbers too close to overflow or underflow, or fewer than ten certain digits of a deciding quantity.
-pub fn closed_form(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+pub fn closed_form_verdict(
+    model: &HarrisGrekova,
+    flow: &DeformingFlow,
+) -> Option<ClosedFormVerdict> {
     let is_decidable = is_below_right_angle(model.coulomb.friction_angle)
         && has_safe_magnitudes(flow)
         && (1e-30..1e30).contains(&model.moment_of_inertia);
@@ -30,7 +33,7 @@ pub fn closed_form(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<Closed
 /// Returns the verdict for ν = 0 and any gradients and accelerations of the background (Harris & Grekova 2005,
 /// eqs 149–152, corrected).
 ///
-/// The dispersion polynomial is a quadratic in ς. Its leading root is [`HarrisGrekova::leading_coefficient`] k²; its
+/// The dispersion polynomial is a quadratic in ς. Its leading root is [`HarrisGrekova::growth_coefficient`] k²; its
 /// other root, and both roots in the layers of directions around 𝒜 = cos β − sin φ = 0, are −ik·V + O(1). So the model
 /// is well-posed for cos 2Δ > 0. For cos 2Δ < 0 the coefficient as a function of cos β has one minimum, 0 at
 /// cos β = sin φ, and its maximum at β = π: (cos β − sin φ)²/(1 − sin φ cos β) is 1 + sin φ at β = π and 1 − sin φ at
@@ -85,17 +88,18 @@ fn assess_with_dilatancy(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<
         (rule.volume_coefficient, rule.dilatancy_coefficient, rule.shear_coefficient);
     let (sin_phi, cos_phi) = (phi.sin(), phi.cos());
 
-    let along = cos_nu * cosine;
-    let across = sin_nu * cos_e * sine;
-    let excess = cos_phi * (phi - 2.0 * nu).cos() * along * along - across * across;
+    let cosine_term = cos_nu * cosine;
+    let sine_term = sin_nu * cos_e * sine;
+    let excess =
+        cos_phi * (phi - 2.0 * nu).cos() * cosine_term * cosine_term - sine_term * sine_term;
     if resolved_sign(excess)? > 0 {
         return (resolved_sign(cosine)? > 0).then_some(ClosedFormVerdict::WellPosed);
     }
-    // Of the two solutions of b cos β − d sin β = a take the one farther from 𝒜 = 0: the other may coincide with
-    // 𝒜 = 0, where ς has no pole.
-    let a = (along * (cos_e + sin_nu * sin_phi)).value;
-    let b = (along * (cos_e * sin_phi + sin_nu)).value;
-    let d = (across * cos_phi).value;
+    // Of the two solutions β of b cos β − d sin β = a the one with the larger |𝒜| is taken: the other may be at 𝒜 = 0,
+    // where ς has no pole.
+    let a = (cosine_term * (cos_e + sin_nu * sin_phi)).value;
+    let b = (cosine_term * (cos_e * sin_phi + sin_nu)).value;
+    let d = (sine_term * cos_phi).value;
     let (shift, half_angle) = (d.cr_atan2(b), (a / b.root_sum_square(d)).cr_acos());
     let distance = |beta: f64| (beta.cr_cos() - sin_phi.value).abs();
     let (first, second) = (half_angle - shift, -half_angle - shift);

@@ -48,12 +48,12 @@ impl FlowLaw for HarrisGrekova {
         }
     }
 
-    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+    fn write_symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
         symbol::write_symbol(self, flow, system);
     }
 
-    fn closed_form(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
-        closed_form::closed_form(self, flow)
+    fn closed_form_verdict(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+        closed_form::closed_form_verdict(self, flow)
     }
 
     fn noncoaxiality_bound(&self) -> Option<f64> {

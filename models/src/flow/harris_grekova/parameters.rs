@@ -95,7 +95,7 @@ impl HarrisGrekova {
     ///
     /// `deviator` q in Pa, `density` ρ in kg/m³, `shear_rate` Q_D in 1/s, `noncoaxiality` Δ and `beta` β in rad; Ψ_Σ is
     /// the stress angle, ψ_K the angle of the wave vector.
-    pub fn leading_coefficient(
+    pub fn growth_coefficient(
         &self,
         deviator: f64,
         density: f64,
@@ -104,8 +104,8 @@ impl HarrisGrekova {
         beta: f64,
     ) -> f64 {
         let sin_phi = self.coulomb.friction_angle.cr_sin();
-        let gap = beta.cr_cos() - sin_phi;
-        -deviator * gap * gap
+        let cosine_difference = beta.cr_cos() - sin_phi;
+        -deviator * cosine_difference * cosine_difference
             / (2.0
                 * density
                 * shear_rate

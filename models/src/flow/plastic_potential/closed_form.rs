@@ -16,7 +16,10 @@ const MIN_ANGLE_DIFFERENCE: f64 = 1e-3;
 /// To leading order in the wave number k, with ς of order k², the gradients of the background and the density
 /// perturbation drop out. The growth is largest in the direction of [`PlasticPotential::fastest_growth`],
 /// `cos β = sin h/cos d` with h = (φ + ν)/2 and d = (φ − ν)/2, so `sin²β = cos φ cos ν/cos²d`; it is the same for ±β.
-pub fn closed_form(model: &PlasticPotential, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+pub fn closed_form_verdict(
+    model: &PlasticPotential,
+    flow: &DeformingFlow,
+) -> Option<ClosedFormVerdict> {
     let (phi, nu) = (model.coulomb.friction_angle, model.dilatancy_angle);
     let is_decidable = (phi - nu).abs() >= MIN_ANGLE_DIFFERENCE
         && is_below_right_angle(phi)

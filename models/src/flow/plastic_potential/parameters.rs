@@ -64,7 +64,7 @@ impl PlasticPotential {
     ///
     /// which is positive exactly if cos β lies between sin ν and sin φ. `deviator` q in Pa, `density` ρ in kg/m³,
     /// `shear_rate` Q_D in 1/s.
-    pub fn leading_coefficient(
+    pub fn growth_coefficient(
         &self,
         deviator: f64,
         density: f64,
@@ -79,7 +79,7 @@ impl PlasticPotential {
     }
 
     /// Ends of the open interval of |β|, rad, that contains the unstable directions: π/2 − max(φ, ν) and
-    /// π/2 − min(φ, ν), with β = 2(Ψ_Σ − ψ_K) as in [`leading_coefficient`](Self::leading_coefficient), in (−π, π]. The
+    /// π/2 − min(φ, ν), with β = 2(Ψ_Σ − ψ_K) as in [`growth_coefficient`](Self::growth_coefficient), in (−π, π]. The
     /// interval is empty for associated flow, φ = ν, where both ends are equal.
     pub fn unstable_sector(&self) -> [f64; 2] {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);

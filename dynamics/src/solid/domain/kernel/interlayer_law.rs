@@ -188,7 +188,7 @@ impl<T: Real, const KIND: usize, const P: usize> LawKernel<'_, T, KIND, P> {
         for face in *faces {
             let stored = &mut all[face.first_history..][..*variables];
             let values = &mut values[face.first_value..][..Q * FACE_GROUPS];
-            for index in 0..L::HISTORY_VARIABLES {
+            for index in 0..L::HISTORY_VARIABLE_COUNT {
                 history[index] = V::load(&stored[index]);
             }
             let mut incident = [[V::ZERO; 2]; Q];
@@ -199,7 +199,7 @@ impl<T: Real, const KIND: usize, const P: usize> LawKernel<'_, T, KIND, P> {
                 }
             }
             let states = advance_interlayer(law, &impedance, &incident, &interval, &mut history);
-            for index in 0..L::HISTORY_VARIABLES {
+            for index in 0..L::HISTORY_VARIABLE_COUNT {
                 let own = &mut stored[index];
                 V::load(own).blend_lanes(face.lanes, history[index]).store(own);
             }

@@ -109,6 +109,7 @@ impl<V: Number> YieldingBlock<V> {
     }
 }
 
+/// Blocks with lanes beyond their yield sets that are mapped together.
 pub(super) struct Batch<V> {
     pub(super) count: usize,
     pub(super) blocks: [YieldingBlock<V>; BATCH_SIZE],

@@ -1,5 +1,5 @@
-//! The coefficient of the highest power of ς: the bounds on the non-coaxiality are where its real zeros appear and
-//! vanish.
+//! Leading coefficient (that of the highest power of ς) of the dispersion polynomial: its real zeros appear and vanish
+//! at the bounds on the non-coaxiality.
 
 use crate::backgrounds::{ALL_FLAGS, Inside, Outside, Reversed, UNIFORM, sample_harris_grekova};
 use crate::support::exact::DispersionReference;
@@ -25,6 +25,7 @@ fn leading_quadratic_form(p: &DispersionReference) -> [Real256; 3] {
     form
 }
 
+/// Discriminant b² − 4ac of a quadratic form.
 fn discriminant([a, b, c]: [Real256; 3]) -> Real256 {
     b * b - (a * c).multiply_by_power_of_two(2)
 }
@@ -37,7 +38,7 @@ fn discriminant([a, b, c]: [Real256; 3]) -> Real256 {
 /// Y sin² 2Δ + Z sin 2Δ cos 2Δ. Three values of Δ give X < 0, Y > 0 and Z = 0, and a fourth, random value confirms the
 /// form; the bound is |tan 2Δ| = √(−X/Y).
 #[test]
-fn the_bound_follows_from_the_determinant() {
+fn noncoaxiality_bound_agrees_with_the_determinant() {
     const STATE_COUNT: u64 = 2000;
     let deviations: Vec<f64> = (0..STATE_COUNT)
         .into_par_iter()
@@ -66,7 +67,7 @@ fn the_bound_follows_from_the_determinant() {
             let [plus, minus] = [FRAC_PI_4, -FRAC_PI_4].map(|delta| discriminant(at(delta)));
             let (sine, cosine) = Real256::from(FRAC_PI_2).sin_cos();
             let y = ((plus + minus).multiply_by_power_of_two(-1) - x * cosine * cosine)
-                * (sine * sine).recip();
+                * (sine * sine).reciprocal();
             let [plus, minus] = [FRAC_PI_8, -FRAC_PI_8].map(|delta| discriminant(at(delta)));
             assert!(is_small(plus - minus, x) || is_small(plus - minus, y), "seed {seed}: Z");
             let delta = random.uniform(-FRAC_PI_2, FRAC_PI_2);
@@ -75,7 +76,7 @@ fn the_bound_follows_from_the_determinant() {
             assert!(is_small(sum - own, x) || is_small(sum - own, y), "seed {seed}: a form in 2Δ");
 
             assert!(x.is_negative() && !y.is_negative(), "seed {seed}");
-            let bound = 0.5 * (-x * y.recip()).to_f64().sqrt().atan();
+            let bound = 0.5 * (-x * y.reciprocal()).to_f64().sqrt().atan();
             let closed_form = base.model.noncoaxiality_bound().expect("the model has one");
             let deviation = (closed_form / bound - 1.0).abs();
 
@@ -84,7 +85,7 @@ fn the_bound_follows_from_the_determinant() {
             for _ in 0..4 {
                 let distance = random.log_uniform(1e-12, 0.3);
                 let outside = bound + distance * (FRAC_PI_4 - bound).max(1e-12);
-                let places = [
+                let noncoaxialities = [
                     (bound * (1.0 - distance), false),
                     (outside, true),
                     (FRAC_PI_2 - outside, true),
@@ -92,7 +93,7 @@ fn the_bound_follows_from_the_determinant() {
                 ];
                 // For ν near 0 the zone outside has almost no width.
                 let is_wide = distance * (FRAC_PI_4 - bound) > 1e-14;
-                for (size, has_zeros) in places {
+                for (size, has_zeros) in noncoaxialities {
                     if has_zeros && !is_wide {
                         continue;
                     }
@@ -116,7 +117,7 @@ fn the_bound_follows_from_the_determinant() {
 /// sin ν cos φ cos e sin β, with e = φ − ν, β = 2(Ψ_Σ − ψ_K), the stress angle Ψ_Σ and the angle ψ_K of the wave
 /// vector, is proportional to the coefficient in all directions, by a factor independent of Δ.
 #[test]
-fn the_highest_coefficient_is_that_of_the_closed_form() {
+fn leading_coefficient_agrees_with_the_closed_form() {
     (0..500u64).into_par_iter().for_each(|seed| {
         let random = &mut seeded_generator(0xb1_0000 + seed);
         let base = sample_harris_grekova(random, UNIFORM, Inside, seed % 2 == 0).sample;
@@ -143,20 +144,20 @@ fn the_highest_coefficient_is_that_of_the_closed_form() {
                     * cos_nu
                     * (cos_e + sin_nu * sin_phi - (sin_phi * cos_e + sin_nu) * cos_b)
                     + sin_2d * sin_nu * cos_phi * cos_e * sin_b;
-                let own = form * stated.recip();
+                let own = form * stated.reciprocal();
                 let first = *factor.get_or_insert(own);
                 // Next to a zero the quotient loses the digits that numerator and denominator have lost.
-                let lost = (own * first.recip() - one) * stated;
+                let lost = (own * first.reciprocal() - one) * stated;
                 assert!(lost.abs().to_f64() < 1e-60, "seed {seed}: {:e}", lost.to_f64());
             }
         }
     });
 }
 
-/// Verifies that in the zone [`Outside`] the direction of the verdict is a zero of the highest coefficient, to the
+/// Verifies that in the zone [`Outside`] the direction of the verdict is a zero of the leading coefficient, to the
 /// rounding of this form divided by its slope.
 #[test]
-fn verdict_direction_outside_is_a_zero_of_the_highest_coefficient() {
+fn verdict_direction_is_a_zero_of_the_leading_coefficient() {
     let worst = (0..1000u64)
         .into_par_iter()
         .map(|seed| {
@@ -190,7 +191,7 @@ fn verdict_direction_outside_is_a_zero_of_the_highest_coefficient() {
 /// F₂₄/F₃₂ over directions, with coefficients in 256-bit arithmetic. Near the bound the minimum of |F₃₂| is much
 /// smaller than the mean, and its relative error in double precision is ε times the ratio of mean to minimum.
 #[test]
-fn growth_coefficients_beyond_the_reversed_bound_agree_with_the_polynomial() {
+fn growth_coefficients_in_the_reversed_zone_agree_with_the_polynomial() {
     let worst = (0..1000u64)
         .into_par_iter()
         .map(|seed| {
@@ -218,7 +219,7 @@ fn growth_coefficients_beyond_the_reversed_bound_agree_with_the_polynomial() {
             // sum: about four times the ratio of minimum to maximum if that is small.
             let highest = leading_quadratic_form(&p);
             let sum = highest[0] + highest[2];
-            let part = -(discriminant(highest) * (sum * sum).recip()).to_f64();
+            let part = -(discriminant(highest) * (sum * sum).reciprocal()).to_f64();
             error / (1e-10 + 64.0 * f64::EPSILON / part)
         })
         .reduce(|| 0.0, f64::max);

@@ -8,18 +8,18 @@ use dynamics::simulation::{RegularTimes, SimulationState};
 /// Kind of a table to which a simulation appends rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableKind {
-    /// Records of the receivers.
+    /// Table of the receiver records.
     Receivers,
-    /// Energy ledger.
+    /// Table of the energy ledger.
     Ledger,
-    /// Energy spectrum of a flow by shells of mode numbers.
+    /// Table of the energy spectrum of a flow, by shells of mode numbers.
     Spectrum,
 }
 
-/// Table kind with names and units of its columns.
+/// Header of a table: kind, and names and units of its columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableHeader {
-    /// Kind of the table.
+    /// Kind of the table, which determines its file.
     pub kind: TableKind,
     /// Names of the columns; the first is `time`.
     pub columns: Vec<String>,
@@ -50,16 +50,16 @@ pub fn column_unit(case: &Case, kind: TableKind, name: &str) -> &'static str {
 pub(super) fn energy_unit(case: &Case) -> &'static str {
     match &case.solid_run {
         None => "J/m3",
-        Some(dynamics) if dynamics.grid.dimensions() == 2 => "J/m",
+        Some(solid_run) if solid_run.grid.dimensions() == 2 => "J/m",
         Some(_) => "J",
     }
 }
 
-/// State of a simulation between two batches of steps.
+/// Progress of a simulation between two batches of time steps.
 pub struct RunProgress<'a> {
     /// Number of time steps done.
-    pub steps: usize,
-    /// Simulated time, s.
+    pub step_count: usize,
+    /// Simulated time reached, s.
     pub time: f64,
     /// Duration of the simulation, s.
     pub duration: f64,
@@ -71,30 +71,30 @@ pub struct RunProgress<'a> {
     pub save_state: &'a dyn Fn() -> SimulationState,
 }
 
-/// Statistics of the time steps, by kind.
+/// Statistics of the time steps of a solid or a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepStatistics {
-    /// Time steps of a solid.
+    /// Statistics of the time steps of a solid.
     Solid {
         /// Energy of the state, J; in plane problems J/m.
         energy: f64,
-        /// Number of cells.
-        cells: usize,
+        /// Number of cells of the grid.
+        cell_count: usize,
         /// Number of threads of the solver, one per subdomain.
-        threads: usize,
+        thread_count: usize,
     },
-    /// Time steps of a flow.
+    /// Statistics of the time steps of a flow.
     Flow {
         /// Kinetic energy in the last ledger row, J/m³.
         energy: f64,
         /// Number of stages of the last time step.
-        stages: usize,
+        stage_count: usize,
         /// Number of evaluations of the right-hand side so far.
-        evaluations: usize,
+        evaluation_count: usize,
         /// Number of pressure iterations so far.
-        iterations: usize,
+        iteration_count: usize,
         /// Number of threads of the thread pool.
-        threads: usize,
+        thread_count: usize,
     },
 }
 
@@ -130,7 +130,7 @@ pub trait Recorder: Send {
     /// The output cannot be recorded.
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error>;
 
-    /// Called before steps are repeated in order to find the last valid state before a fault.
+    /// Prepares the repetition of steps, by which the last valid state before a fault is found.
     ///
     /// # Errors
     /// The run is interrupted.
@@ -138,7 +138,7 @@ pub trait Recorder: Send {
         Ok(())
     }
 
-    /// Called after a batch of steps, when all output due has been recorded.
+    /// Handles the progress after a batch of steps, when all output due has been recorded.
     ///
     /// # Errors
     /// The run is interrupted.

@@ -6,16 +6,21 @@ use crate::picture::{Anchor, Colour, Picture, Point, Rectangle, Text, WHITE, tex
 pub(super) const RING_RADIUS: f64 = 9.0;
 
 /// Radius of the disc that carries a number, pixels.
-pub(crate) const TAG_RADIUS: f64 = 15.0;
+pub(crate) const NUMBER_DISC_RADIUS: f64 = 15.0;
 
 /// Draws a number on a disc, for lines and points that are explained in the legend.
-pub(crate) fn draw_tag(picture: &mut Picture, [x, y]: Point, number: usize, colour: Colour) {
-    picture.fill_disc([x, y], TAG_RADIUS + 1.5, WHITE);
-    picture.fill_disc([x, y], TAG_RADIUS, colour);
-    picture.fill_disc([x, y], TAG_RADIUS - 2.5, WHITE);
+pub(crate) fn draw_number_disc(
+    picture: &mut Picture,
+    [x, y]: Point,
+    number: usize,
+    colour: Colour,
+) {
+    picture.fill_disc([x, y], NUMBER_DISC_RADIUS + 1.5, WHITE);
+    picture.fill_disc([x, y], NUMBER_DISC_RADIUS, colour);
+    picture.fill_disc([x, y], NUMBER_DISC_RADIUS - 2.5, WHITE);
     let label_text = number.to_string();
-    let size =
-        (20.0_f64).min(20.0 * 1.3 * TAG_RADIUS / text_width(&label_text, 20.0, true).max(1.0));
+    let size = (20.0_f64)
+        .min(20.0 * 1.3 * NUMBER_DISC_RADIUS / text_width(&label_text, 20.0, true).max(1.0));
     let text = Text::new([x, y + 0.36 * size], Anchor::Middle, size, label_text);
     picture.draw_text(Text { is_bold: true, ..text });
 }
@@ -28,7 +33,7 @@ pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
 }
 
 /// Returns the bounding box of a tag.
-pub(crate) fn tag_area([x, y]: Point) -> Rectangle {
-    let half = TAG_RADIUS + 2.0;
+pub(crate) fn number_disc_area([x, y]: Point) -> Rectangle {
+    let half = NUMBER_DISC_RADIUS + 2.0;
     Rectangle { left: x - half, top: y - half, right: x + half, bottom: y + half }
 }

@@ -2,8 +2,8 @@
 
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::folder::{
-    AppendedFile, JOINT_LIST_FILE, SNAPSHOT_LIST_FILE, has_joint_files, joint_snapshot_name,
-    snapshot_name,
+    AppendedFile, JOINT_SNAPSHOT_LIST_FILE, SNAPSHOT_LIST_FILE, has_joint_files,
+    joint_snapshot_file_name, snapshot_file_name,
 };
 use crate::{Error, case::dynamics::PlottedQuantity};
 use dynamics::simulation::RegularTimes;
@@ -15,7 +15,7 @@ use models::interface::parameters::LayerMaterial;
 ///
 /// # Errors
 /// The case has no simulation.
-pub(super) fn planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
+pub(super) fn list_planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
     let (has_receivers, interval, duration) = match case.time_domain_run()? {
         TimeDomainRun::Solid(own) => {
             (!own.receivers.is_empty(), own.output.snapshot_interval, own.time.duration)
@@ -72,9 +72,9 @@ pub(super) fn planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
                 _ => names.push(format!("{} to {}", name(0), name(last))),
             }
         };
-        add_series(SNAPSHOT_LIST_FILE, &|index| snapshot_name(case, index));
+        add_series(SNAPSHOT_LIST_FILE, &|index| snapshot_file_name(case, index));
         if has_joints {
-            add_series(JOINT_LIST_FILE, &joint_snapshot_name);
+            add_series(JOINT_SNAPSHOT_LIST_FILE, &joint_snapshot_file_name);
         }
     }
     Ok(names)
@@ -85,7 +85,7 @@ fn has_saturated_joints(case: &Case) -> bool {
     let Some(blocks) = case.solid_run.as_ref().and_then(|run| run.blocks.as_ref()) else {
         return false;
     };
-    let mut joints = blocks.contacts.iter().filter_map(|contact| contact.joint);
+    let mut joints = blocks.contacts.iter().filter_map(|contact| contact.joint_index);
     joints.any(|joint| {
         let entry = blocks.joints.get(usize::from(joint));
         entry.is_some_and(|own| matches!(own.law.material, LayerMaterial::Saturated(_)))

@@ -1,4 +1,5 @@
-//! Local operators: rotation of spins, flush of subnormals, time integrals; sums of energies over cells.
+//! Operators that act in each cell: rotation of spins, flush of subnormals, time integrals; sums of energies over
+//! cells.
 
 use super::diagnostics::Diagnostics;
 use super::layout::RowSegment;
@@ -6,7 +7,8 @@ use super::{Domain, MAX_FIELDS, SolverReal};
 use crate::exact_sum::ExactSum;
 use crate::simd::{LaneGroup, MAX_LANES, Real, SimdKernel, Vector};
 use crate::solid::cell_laws::{
-    Interval, SpinStressRotation, add_scaled, flush_limit, rotate_spin_stress, stress_from_fields,
+    LawInterval, SpinStressRotation, add_scaled, flush_limit, rotate_spin_stress,
+    stress_from_fields,
 };
 use crate::solid::ledger::{EnergySums, LedgerSums};
 use models::solid::stress::Stress;
@@ -25,7 +27,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.time_integrals = integrals;
     }
 
-    /// Returns all fields of a cell.
+    /// Returns the values of all fields of a cell, given by its index with halo; unused entries are zero.
     pub(super) fn cell_state(&self, cell: usize) -> [T; MAX_FIELDS] {
         let mut values = [T::ZERO; MAX_FIELDS];
         for (value, (_, place)) in values.iter_mut().zip(self.field_offsets()) {
@@ -34,17 +36,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         values
     }
 
-    /// Returns the stress in a cell, without the initial stress.
+    /// Returns the stress in a cell as deviation from the initial stress, Pa.
     pub(super) fn stress_deviation(&self, cell: usize) -> Stress {
         self.stress_from_fields(&self.cell_state(cell))
     }
 
-    /// Returns the stress tensors of a state.
+    /// Converts the field values of a state to stress tensors.
     pub(super) fn stress_from_fields(&self, values: &[T; MAX_FIELDS]) -> Stress {
         stress_from_fields(self.fields(), values)
     }
 
-    /// Returns the total stress in an owned cell: the initial stress and the deviation from it.
+    /// Returns the total stress in an owned cell, Pa: the initial stress plus the deviation from it.
     pub fn total_stress(&self, cell: usize) -> Stress {
         let cell = self.layout.local_cell(cell);
         add_scaled(&self.stress_deviation(cell), &self.initial_stress(cell), 1.0)
@@ -55,9 +57,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         layers: &Range<usize>,
         tile: &RowSegment,
-        interval: Interval,
+        interval: LawInterval,
     ) {
-        if self.local_laws.rotated_offsets.is_empty() {
+        if self.lane_laws.rotated_offsets.is_empty() {
             return;
         }
         for layer in layers.clone() {
@@ -65,8 +67,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.instructions.run_kernel::<T>(SpinRotationKernel {
                 field_data: &mut self.field_data[first..],
                 lane_pattern_indices: &self.materials.lane_pattern_indices[groups],
-                rotations: &self.local_laws.spin_rotations,
-                rotated: &self.local_laws.rotated_offsets,
+                rotations: &self.lane_laws.spin_rotations,
+                rotated_offsets: &self.lane_laws.rotated_offsets,
                 interval,
             });
         }
@@ -148,8 +150,8 @@ struct SpinRotationKernel<'a, T: Real> {
     field_data: &'a mut [T::Lanes],
     lane_pattern_indices: &'a [u32],
     rotations: &'a [[SpinStressRotation<T::Lanes>; 2]],
-    rotated: &'a [[usize; 3]],
-    interval: Interval,
+    rotated_offsets: &'a [[usize; 3]],
+    interval: LawInterval,
 }
 
 impl<T: Real> SimdKernel<T> for SpinRotationKernel<'_, T> {
@@ -160,13 +162,13 @@ impl<T: Real> SimdKernel<T> for SpinRotationKernel<'_, T> {
             let [cos, ratio_sin, sin_over_ratio] =
                 &self.rotations[pattern as usize][self.interval as usize];
             let rotation = [V::load(cos), V::load(ratio_sin), V::load(sin_over_ratio)];
-            for &[spin, first, second] in self.rotated {
+            for &[spin, first, second] in self.rotated_offsets {
                 let before =
                     [V::load(&group[spin]), V::load(&group[first]), V::load(&group[second])];
-                let [omega, one, other] = rotate_spin_stress(rotation, before);
+                let [omega, first_stress, second_stress] = rotate_spin_stress(rotation, before);
                 omega.store(&mut group[spin]);
-                one.store(&mut group[first]);
-                other.store(&mut group[second]);
+                first_stress.store(&mut group[first]);
+                second_stress.store(&mut group[second]);
             }
         }
     }
@@ -225,9 +227,11 @@ impl<T: SolverReal, const D: usize> SimdKernel<T> for EnergyKernel<'_, T, D> {
                 }
                 *of_kind = sums;
             }
-            let (count, place) = (T::Lanes::COUNT, group_index * T::Lanes::COUNT);
-            for (all, owned_lanes) in self.lane_energies.iter_mut().zip(lane_energies) {
-                for (lane, value) in all[place..place + count].iter_mut().enumerate() {
+            let (count, first_lane) = (T::Lanes::COUNT, group_index * T::Lanes::COUNT);
+            for (row_energies, owned_lanes) in self.lane_energies.iter_mut().zip(lane_energies) {
+                for (lane, value) in
+                    row_energies[first_lane..first_lane + count].iter_mut().enumerate()
+                {
                     *value = if own >> lane & 1 == 1 { owned_lanes[lane] } else { 0.0 };
                 }
             }

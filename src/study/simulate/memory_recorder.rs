@@ -9,9 +9,9 @@ use crate::study::ProgressCallback;
 use dynamics::simulation::{RegularTimes, SimulationState};
 
 /// Number of progress steps over the duration of a simulation.
-const PROGRESS_STEPS: usize = 1000;
+const PROGRESS_STEP_COUNT: usize = 1000;
 
-/// Recorder in memory, with a progress callback.
+/// Recorder that keeps all output in memory and reports progress to a callback.
 pub(super) struct MemoryRecorder<'a> {
     records: RunRecords,
     on_progress: ProgressCallback<'a>,
@@ -31,7 +31,7 @@ impl<'a> MemoryRecorder<'a> {
     }
 
     fn report_step(&self, done: usize) -> Result<(), Error> {
-        if (self.on_progress)(done, PROGRESS_STEPS).is_break() {
+        if (self.on_progress)(done, PROGRESS_STEP_COUNT).is_break() {
             Err(Error::Cancelled)
         } else {
             Ok(())
@@ -70,7 +70,7 @@ impl Recorder for MemoryRecorder<'_> {
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {
-        self.report_step((PROGRESS_STEPS as f64 * progress.time / progress.duration) as usize)
+        self.report_step((PROGRESS_STEP_COUNT as f64 * progress.time / progress.duration) as usize)
     }
 
     fn begin_replay(&mut self) -> Result<(), Error> {

@@ -9,22 +9,22 @@ use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
 impl GridConverter<'_> {
-    /// Returns the acceleration by gravity, m/s², and the initial stress as an axis and one stress, Pa and N/m, for
-    /// each layer of cells normal to it; `None` instead of axis and stresses if all stresses are zero. If gravity is
+    /// Computes the acceleration by gravity, m/s², and the initial stress. The stress is given by an axis and one
+    /// stress, Pa and N/m, for each layer of cells normal to that axis; `None` if all stresses are zero. If gravity is
     /// balanced, the acceleration is zero, and the lithostatic stress that balances it is added to the uniform initial
     /// stress.
     #[allow(clippy::type_complexity, reason = "two fields of the problem")]
-    pub(super) fn gravity_and_initial_stress<const D: usize>(
+    pub(super) fn compute_gravity_and_initial_stress<const D: usize>(
         &self,
         media: &[Medium],
         of_cell: &[u16],
     ) -> Result<([f64; D], Option<(usize, Vec<Stress>)>), CaseError> {
         let mut uniform = Stress::default();
-        for (component, value) in &self.dynamics.initial_stress {
+        for (component, value) in &self.solid_run.initial_stress {
             match component.0 {
                 SolidField::Stress(i, j) => {
                     uniform.force[i][j] = *value;
-                    if self.medium.rotation.is_none() {
+                    if self.first_medium.rotation.is_none() {
                         uniform.force[j][i] = *value;
                     }
                 }
@@ -32,17 +32,17 @@ impl GridConverter<'_> {
                 SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
             }
         }
-        let grid = &self.dynamics.grid;
+        let grid = &self.solid_run.grid;
         let mut acceleration = [0.0; D];
         let mut layers = (D - 1, vec![uniform; grid.cells[D - 1]]);
-        if let Some(gravity) = &self.dynamics.gravity {
+        if let Some(gravity) = &self.solid_run.gravity {
             let along = gravity.acceleration.iter().position(|a| *a != 0.0);
             match along.filter(|_| gravity.is_balanced) {
                 None => acceleration.copy_from_slice(&gravity.acceleration),
                 Some(axis) => {
                     let cells = &grid.cells;
                     let densities = layer_densities(cells, axis, media, of_cell)
-                        .map_err(|uneven| self.uneven_layer_error(axis, uneven))?;
+                        .map_err(|uneven| self.create_uneven_layer_error(axis, uneven))?;
                     let mut all = vec![uniform; cells[axis]];
                     let (spacing, pull) = (grid.spacing[axis], gravity.acceleration[axis]);
                     let ratio = gravity.lateral_ratio;
@@ -55,8 +55,8 @@ impl GridConverter<'_> {
         Ok((acceleration, (!is_zero).then_some(layers)))
     }
 
-    /// Creates the error that the density in a layer across an axis is not uniform.
-    fn uneven_layer_error(
+    /// Creates the error that the density is not uniform in a layer of cells normal to an axis.
+    fn create_uneven_layer_error(
         &self,
         axis: usize,
         NonUniformLayer { cell, densities: [own, density] }: NonUniformLayer,
@@ -64,10 +64,10 @@ impl GridConverter<'_> {
         let found = format!(
             "densities {own:?} and {density:?} side by side, at x{} = {:?}",
             axis + 1,
-            cell_centre(self.dynamics, cell)[axis]
+            cell_centre(self.solid_run, cell)[axis]
         );
         let allowed = "densities that change along gravity alone; balanced = false lets \
                        the weight act from the start";
-        self.dynamics.error_at("gravity.balanced", found, allowed)
+        self.solid_run.key_error("gravity.balanced", found, allowed)
     }
 }

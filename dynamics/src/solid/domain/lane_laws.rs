@@ -1,12 +1,12 @@
-//! Local laws, which act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation
-//! by the curvature of rows, yield sets.
+//! Constants of the cell laws, which act in a cell between sweeps, by lane pattern: rotation of spins against
+//! antisymmetric stress, relaxation, rotation by the curvature of rows, yield sets.
 //!
 //! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MAX_FIELDS`); here and in a new file (constants by
 //! lane pattern, kernel, [`has_coupled_fields`]); `step` (position in the time step);
-//! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::SolidField`, a
-//! new variant of which the compiler requires in every `match`; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], with which
-//! tests compare the results. Layout, halo, snapshot and output of its fields need no change. If the yield set depends
-//! on the history, the return mapping must be changed as well.
+//! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::SolidField`, a new variant
+//! of which the compiler requires in every `match`; [`crate::solid::ledger`] and `output` if it dissipates;
+//! [`crate::solid::reference`], with which tests compare the results. Layout, halo, snapshot and output of its fields
+//! need no change. If the yield set depends on the history, the return mapping must be changed as well.
 
 use super::curvilinear::CurvatureRotations;
 use super::materials::Materials;
@@ -16,15 +16,15 @@ use super::total_stress::{
     InitialStress, TotalStressSets, blocks_per_group, create_initial_stress_blocks,
 };
 use crate::simd::{LaneGroup, Real};
-use crate::solid::cell_laws::{self, Interval, SpinStressRotation, spin_stress_rotation};
+use crate::solid::cell_laws::{self, LawInterval, SpinStressRotation, spin_stress_rotation};
 use crate::solid::problem::{PlasticStep, Problem};
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
-/// Local laws by lane pattern.
+/// Constants of the cell laws by lane pattern.
 #[derive(Clone)]
-pub(super) struct LocalLaws<T: Real> {
-    /// Rotations of spins against antisymmetric stress, by pattern and [`Interval`].
+pub(super) struct LaneLaws<T: Real> {
+    /// Rotations of spins against antisymmetric stress, by pattern and [`LawInterval`].
     pub(super) spin_rotations: Vec<[SpinStressRotation<T::Lanes>; 2]>,
     /// Offsets of each spin and of the two stresses that rotate against it.
     pub(super) rotated_offsets: Vec<[usize; 3]>,
@@ -34,7 +34,7 @@ pub(super) struct LocalLaws<T: Real> {
     pub(super) has_yield_set: Vec<bool>,
     /// Yield sets in lanes if all are of one kind (see [`YieldSets`]), for the return mapping without initial stress;
     /// else `None`.
-    pub(super) sets: Option<YieldSets<T>>,
+    pub(super) yield_sets: Option<YieldSets<T>>,
     /// Axis along which the initial stress varies, and the stress by layer across that axis.
     pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
     /// Initial stress by block of a row, if it varies along the first axis; else empty.
@@ -65,43 +65,44 @@ pub(super) fn rotated_field_offsets(fields: &[SolidField], pitch: usize) -> Vec<
         .collect()
 }
 
-impl<T: Real> LocalLaws<T> {
+impl<T: Real> LaneLaws<T> {
     /// Creates the laws of materials by lane pattern, in rows of `groups` groups, for a time step `step`, s.
     /// `reflects`: whether the return mapping is the reflection 2P − I; `initial_stress`: the initial stress of this
-    /// subdomain; `whole`: that of all subdomains.
+    /// subdomain; `whole_initial_stress`: that of all subdomains.
     pub(super) fn new<const D: usize>(
         materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
         (groups, pitch): (usize, usize),
         (step, reflects): (f64, bool),
-        (initial_stress, whole): (Option<(usize, Vec<Stress>)>, &[Stress]),
+        (initial_stress, whole_initial_stress): (Option<(usize, Vec<Stress>)>, &[Stress]),
     ) -> Self {
         let (media, fields) = (&materials.media, &materials.fields);
         let rotations = patterns.iter().map(|pattern| {
-            Interval::evaluate_both(|step_fraction| {
+            LawInterval::evaluate_both(|step_fraction| {
                 [0, 1, 2].map(|which| {
-                    let own = |lane: usize| {
+                    let rotation = |lane: usize| {
                         spin_stress_rotation(
                             &media[usize::from(pattern[lane])],
                             step_fraction,
                             step,
                         )
                     };
-                    T::Lanes::from_lanes(|lane| T::from_f64(own(lane)[which]))
+                    T::Lanes::from_lanes(|lane| T::from_f64(rotation(lane)[which]))
                 })
             })
         });
         let has_yield_set = |medium: &u16| media[usize::from(*medium)].yield_set.is_some();
         let is_plastic = media.iter().any(|medium| medium.yield_set.is_some());
-        let sets = YieldSets::new(media, patterns, pitch).filter(|_| is_plastic);
-        let needs_whole = is_plastic && (sets.is_none() || reflects || initial_stress.is_some());
+        let yield_sets = YieldSets::new(media, patterns, pitch).filter(|_| is_plastic);
+        let needs_total_stress_sets =
+            is_plastic && (yield_sets.is_none() || reflects || initial_stress.is_some());
         Self {
-            total_stress_sets: match needs_whole {
-                true => TotalStressSets::new(media, patterns, whole),
+            total_stress_sets: match needs_total_stress_sets {
+                true => TotalStressSets::new(media, patterns, whole_initial_stress),
                 false => TotalStressSets::default(),
             },
             initial_stress_blocks: match &initial_stress {
-                Some((0, layers)) if needs_whole => {
+                Some((0, layers)) if needs_total_stress_sets => {
                     create_initial_stress_blocks::<T>(layers, groups)
                 }
                 _ => Vec::new(),
@@ -115,7 +116,7 @@ impl<T: Real> LocalLaws<T> {
                 .iter()
                 .map(|pattern| pattern.iter().any(has_yield_set))
                 .collect(),
-            sets,
+            yield_sets,
             initial_stress,
         }
     }

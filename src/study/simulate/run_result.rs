@@ -1,4 +1,4 @@
-//! Result of a simulation.
+//! Result of a simulation: final fields, energy ledger and recorded time series.
 
 use super::{JointFace, JointSummary, SimulationWarning, StopReport};
 use serde::{Serialize, Serializer};
@@ -12,46 +12,53 @@ pub struct RunResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<&'static str>,
     /// Cells of a solid, or points of a flow, along each axis.
-    pub cells: Vec<usize>,
+    #[serde(rename = "cells")]
+    pub cell_counts: Vec<usize>,
     /// Initial edge lengths of the box, m; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "length")]
     pub box_lengths: Option<[f64; 2]>,
-    /// Number of steps done.
-    pub steps: usize,
+    /// Number of time steps done.
+    #[serde(rename = "steps")]
+    pub step_count: usize,
     /// Constant time step Δt, s; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "step")]
     pub time_step: Option<f64>,
     /// Simulated time reached, s.
-    pub time: f64,
-    /// Precision of the solver; solids only.
+    #[serde(rename = "time")]
+    pub final_time: f64,
+    /// Floating-point precision of the solver, `f64` or `f32`; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<&'static str>,
     /// Reconstruction of the scheme, which determines its order; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub order: Option<&'static str>,
+    #[serde(rename = "order")]
+    pub reconstruction: Option<&'static str>,
     /// Velocity gradient of the mean flow, 1/s; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_gradient: Option<[[f64; 2]; 2]>,
     /// Final deformation gradient F of the box, which maps initial positions y to Fy; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub deformation: Option<[[f64; 2]; 2]>,
-    /// Final fields; serialised as their names.
+    #[serde(rename = "deformation")]
+    pub deformation_gradient: Option<[[f64; 2]; 2]>,
+    /// Final fields; only the names of their quantities are serialised.
     #[serde(serialize_with = "serialize_quantity_names")]
     pub fields: OutputFields,
     /// Last row of the energy ledger: final energies, work and dissipation since the start, and for flows the internal
     /// power.
-    pub ledger: FinalLedger,
+    #[serde(rename = "ledger")]
+    pub final_ledger: FinalLedger,
     /// Numbers of slipped, open and broken faces of joints; blocky media with joints only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub joints: Option<JointSummary>,
+    #[serde(rename = "joints")]
+    pub joint_summary: Option<JointSummary>,
     /// Receivers of the simulation with their positions.
     pub receivers: Vec<RunReceiver>,
     /// Reason why the run was stopped before its duration; `None` if complete.
     #[serde(rename = "stopped", serialize_with = "serialize_stop_report")]
     pub stop_report: Option<StopReport>,
-    /// Records of the simulation.
+    /// Recorded time series: receivers, energy ledger, spectrum, snapshots.
     #[serde(skip)]
     pub records: RunRecords,
 }
@@ -73,20 +80,25 @@ fn serialize_stop_report<S: Serializer>(
 /// Output fields at one time, serialised with all values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct OutputFields {
-    /// Simulated time, s.
+    /// Simulated time of the fields, s.
     pub time: f64,
     /// Coordinates along each axis, m: cell centres of a solid, or points of the initial box of a flow.
     pub coordinates: Vec<Vec<f64>>,
     /// Deformation gradient F of the box of a flow, which maps initial positions y to Fy.
-    pub deformation: Option<[[f64; 2]; 2]>,
+    #[serde(rename = "deformation")]
+    pub deformation_gradient: Option<[[f64; 2]; 2]>,
     /// Fields, then time integrals of fields, in SI units.
     pub quantities: Vec<FieldQuantity>,
     /// Plastic dissipation by cell, J/m³; empty for elastic solids and flows.
-    pub dissipation: Vec<f64>,
-    /// Index of the region of each cell of a solid, or of the material of its block, from 0; empty for a single material.
-    pub regions: Vec<u16>,
+    #[serde(rename = "dissipation")]
+    pub plastic_dissipation: Vec<f64>,
+    /// Index of the region of each cell of a solid, or of the material of its block, from 0; empty for a single
+    /// material.
+    #[serde(rename = "regions")]
+    pub region_indices: Vec<u16>,
     /// Faces of the joints of a blocky medium, by row of cells; empty without joints.
-    pub joints: Vec<JointFace>,
+    #[serde(rename = "joints")]
+    pub joint_faces: Vec<JointFace>,
 }
 
 impl OutputFields {
@@ -96,12 +108,12 @@ impl OutputFields {
     }
 }
 
-/// Field or time integral of a field.
+/// Output quantity: a field or the time integral of a field.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldQuantity {
-    /// Name in files: `v1`, `sigma12`, …
+    /// Name of the quantity in files: `v1`, `sigma12`, …
     pub name: String,
-    /// SI unit.
+    /// SI unit of the values.
     pub unit: &'static str,
     /// Values by cell or point, first axis fastest.
     pub values: Vec<f64>,
@@ -125,18 +137,19 @@ pub fn quantity_unit(name: &str) -> &'static str {
         "u" => "m",
         "phi" | "psi" => "rad",
         "psi_deg" => "deg",
-        "p" => "Pa",
+        "p" | "pressure" => "Pa",
+        "slip" | "opening" => "m",
         "shear_rate" => "1/s",
         _ => "J/m3",
     }
 }
 
-/// Last row of the energy ledger: terms by name, in one unit except for the internal power of flows, W/m³.
+/// Last row of the energy ledger: terms by name, all in `unit` except for the internal power of flows, W/m³.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinalLedger {
-    /// Unit of the energies.
+    /// Unit of the energies in the ledger.
     pub unit: &'static str,
-    /// Names and values of the terms.
+    /// Names and values of the terms of the ledger.
     pub terms: Vec<(&'static str, f64)>,
 }
 
@@ -160,7 +173,7 @@ impl RunResult {
     /// 10⁻² in single precision.
     pub fn residual_warning(&self) -> Option<SimulationWarning> {
         let rounding = if self.precision == Some("f32") { 1e-2 } else { 1e-6 };
-        let part = self.ledger.relative_residual().filter(|part| *part > rounding)?;
+        let part = self.final_ledger.relative_residual().filter(|part| *part > rounding)?;
         Some(SimulationWarning::LedgerResidual { relative_residual: part })
     }
 }
@@ -178,7 +191,7 @@ impl Serialize for FinalLedger {
 pub struct RunReceiver {
     /// Name of the receiver.
     pub name: String,
-    /// Requested position, m.
+    /// Position requested in the case, m.
     #[serde(rename = "at")]
     pub position: Vec<f64>,
     /// Centre of the cell that contains the receiver, m; solids only.
@@ -194,12 +207,12 @@ pub struct RunReceiver {
     pub grid_point: Option<[f64; 2]>,
 }
 
-/// Records of a simulation.
+/// Recorded time series of a simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RunRecords {
     /// Receiver records: `time`, then `NAME.QUANTITY`, stress angles of flows in degrees; `None` without receivers.
     pub receivers: Option<RecordTable>,
-    /// Energy ledger.
+    /// Table of the energy ledger.
     pub ledger: RecordTable,
     /// Energy spectrum by shells of mode numbers; flows only.
     pub spectrum: Option<RecordTable>,
@@ -214,14 +227,14 @@ pub struct RecordTable {
     pub columns: Vec<RecordColumn>,
 }
 
-/// A column of a table.
+/// Column of a table of records.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RecordColumn {
     /// Name of the column.
     pub name: String,
-    /// Unit of the values.
+    /// Unit of the values of the column.
     pub unit: &'static str,
-    /// Values by row.
+    /// Values of the column by row.
     pub values: Vec<f64>,
 }
 
@@ -236,23 +249,23 @@ impl RecordTable {
 mod tests {
     use super::*;
 
-    /// Result of a run of a solid with a ledger of these terms, J.
+    /// Creates the result of a run of a solid whose ledger has the given terms, J.
     fn result_with_ledger(precision: &'static str, terms: &[(&'static str, f64)]) -> RunResult {
         RunResult {
             title: String::new(),
             model: None,
-            cells: vec![1, 1],
+            cell_counts: vec![1, 1],
             box_lengths: None,
-            steps: 1,
+            step_count: 1,
             time_step: Some(1.0),
-            time: 1.0,
+            final_time: 1.0,
             precision: Some(precision),
-            order: None,
+            reconstruction: None,
             velocity_gradient: None,
-            deformation: None,
+            deformation_gradient: None,
             fields: OutputFields::default(),
-            ledger: FinalLedger { unit: "J", terms: terms.to_vec() },
-            joints: None,
+            final_ledger: FinalLedger { unit: "J", terms: terms.to_vec() },
+            joint_summary: None,
             receivers: Vec::new(),
             stop_report: None,
             records: RunRecords::default(),
@@ -262,7 +275,7 @@ mod tests {
     /// Verifies that a residual is reported if it exceeds 10⁻⁶ of the largest term (10⁻² in single precision), whatever
     /// its sign, and that ledgers with rounding errors, without energy or without a residual give no warning.
     #[test]
-    fn residual_beyond_rounding_is_reported() {
+    fn residual_above_rounding_is_reported() {
         let warning = |precision, residual: f64| {
             let terms = [("kinetic", 1.0), ("boundary_work", -4.0), ("residual", residual)];
             result_with_ledger(precision, &terms).residual_warning()
@@ -281,7 +294,7 @@ mod tests {
         }
         let still = [("kinetic", 0.0), ("residual", 0.0)];
         assert_eq!(result_with_ledger("f64", &still).residual_warning(), None);
-        // The balance of a ledger without numerical dissipation includes that dissipation.
+        // Without numerical dissipation as a term, the balance of a ledger includes that dissipation.
         let totals = [("kinetic", 1.0), ("balance", -0.5)];
         assert_eq!(result_with_ledger("f64", &totals).residual_warning(), None);
     }
