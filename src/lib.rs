@@ -15,6 +15,7 @@
 //! | [`compute_dispersion`] | [`DispersionResult`](study::DispersionResult): dispersion relation of a solid: frequencies and speeds of its waves by wave number |
 //! | [`compute_bloch_waves`](study::compute_bloch_waves) | [`BandStructureResult`](study::BandStructureResult): Bloch waves of a blocky medium, compared with the equivalent continuum |
 //! | [`homogenise`](study::homogenise()) | [`HomogeniseResult`](study::HomogeniseResult): the Cosserat continuum that is equivalent to a blocky medium |
+//! | [`compare_runs`](study::compare_runs) | [`ComparisonResult`](study::ComparisonResult): differences between two runs of the same load |
 //! | [`compute_speeds`] | [`SpeedsResult`](study::SpeedsResult): characteristic speeds of a solid by direction, elastic and yielding |
 //! | [`simulate`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
 //! | [`check_agreement`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |

@@ -107,6 +107,26 @@ enum Verb {
         #[command(flatten)]
         arguments: CaseArguments,
     },
+    /// Compare two finished runs of the same load, such as a blocky medium and its equivalent continuum: means over blocks,
+    /// fronts, dissipated energy
+    Compare {
+        /// Results folder of the first run, to which relative differences refer
+        first: PathBuf,
+        /// Results folder of the second run
+        second: PathBuf,
+        /// Results folder [default: out/<name of the first>-<name of the second>]
+        #[arg(long = "out", value_name = "DIR")]
+        output_folder: Option<PathBuf>,
+        /// Output format
+        #[arg(long, value_enum, default_value = "text")]
+        format: FormatArgument,
+        /// Overwrite results of another case
+        #[arg(long)]
+        force: bool,
+        /// Check the folders and print the plan; write nothing
+        #[arg(long = "dry-run")]
+        is_dry_run: bool,
+    },
     /// Resume an interrupted or killed run; results are bit-identical to those of an uninterrupted run
     Resume {
         /// Results folder
@@ -293,6 +313,7 @@ impl Verb {
             | Self::Check { arguments } => arguments.format.into(),
             Self::Resume { format, .. }
             | Self::Verify { format, .. }
+            | Self::Compare { format, .. }
             | Self::Homogenise { format, .. } => (*format).into(),
             _ => OutputFormat::Text,
         }
@@ -345,6 +366,12 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             )?;
         }
         Verb::Check { arguments } => cli::run_check(&arguments.into(), &mut stdout)?,
+        Verb::Compare { first, second, output_folder, format, force, is_dry_run } => {
+            let folders = [first, second];
+            let format = format.into();
+            let options = cli::CompareOptions { folders, format, output_folder, force, is_dry_run };
+            cli::run_compare(&options, &mut stdout)?;
+        }
         Verb::Resume { folder, threads, checkpoint_interval, format } => {
             let threads = threads.map(usize::from);
             let checkpoint_settings = CheckpointSettings { interval: checkpoint_interval };

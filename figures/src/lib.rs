@@ -41,7 +41,7 @@ pub use dispersion::{DispersionBranch, DispersionFigure, FrequencyBand, Referenc
 pub use error::FigureError;
 pub use field::{
     FieldArrow, FieldArrows, FieldAxis, FieldFigure, FieldLine, FieldLineSet, FieldLineStyle,
-    FieldMark, FieldMarkKind,
+    FieldMark, FieldMarkKind, FieldPairFigure,
 };
 pub use format::FigureFormat;
 pub use growth::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};

@@ -2,6 +2,7 @@
 
 pub mod cases;
 mod check;
+mod compare;
 mod dispersion;
 mod error;
 pub mod folder;
@@ -21,6 +22,7 @@ mod verify;
 mod write;
 
 pub use check::run_check;
+pub use compare::{CompareOptions, run_compare};
 pub use dispersion::run_dispersion;
 pub use error::CommandError;
 pub use homogenise::run_homogenise;

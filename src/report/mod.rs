@@ -2,6 +2,7 @@
 
 pub mod bloch;
 pub mod check;
+pub mod compare;
 pub mod dispersion;
 pub mod format;
 pub mod homogenise;

@@ -13,8 +13,9 @@ mod solid;
 pub use animation::{AnimationFrame, FrameConverter, FrameScale};
 pub use archive::read_fields;
 pub use display::DisplayTime;
+pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
-pub use snapshot::create_image;
+pub use snapshot::{create_image, read_snapshot};
 
 use super::format::{case_title, format_short};
 use super::{Report, ReportPicture};

@@ -6,6 +6,7 @@
 mod available_memory;
 pub mod bloch;
 pub mod check;
+pub mod compare;
 pub mod dispersion;
 pub mod extremes;
 pub mod format;
@@ -17,6 +18,7 @@ pub mod speeds;
 
 pub use bloch::{BandStructureResult, compute_bloch_waves};
 pub use check::{CheckResult, check_agreement};
+pub use compare::{ComparisonResult, compare_runs};
 pub use dispersion::{DispersionResult, compute_dispersion};
 pub use homogenise::{HomogeniseResult, homogenise};
 pub use map::{MapOptions, MapResult, check_map, compute_map};

@@ -1,6 +1,6 @@
 //! Example fields: waves, materials, a bar and the frames of an animation.
 
-use wellposed_figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+use wellposed_figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, FieldPairFigure};
 
 /// Builds a field of square cells with edge 1/`cells_per_metre` m; `value` is evaluated at cell centres.
 fn build_field(
@@ -33,6 +33,20 @@ fn build_field(
 
 fn build_mark(x: f64, y: f64, name: &str, kind: FieldMarkKind) -> FieldMark {
     FieldMark { position: [x, y], name: name.to_owned(), kind }
+}
+
+/// Builds the coarse means of two waves, of which the lower has two thirds of the amplitude.
+pub fn build_field_pair() -> FieldPairFigure {
+    let build = |title: &str, amplitude: f64| FieldFigure {
+        title: title.to_owned(),
+        is_signed: true,
+        contour_levels: Some(Vec::new()),
+        ..build_field([60, 30], 10.0, |x, y| {
+            let r = (x - 3.0).hypot(y - 3.0);
+            amplitude * (4.0 * r).sin() * (-(r - 1.5).powi(2)).exp()
+        })
+    };
+    FieldPairFigure { upper: build("Blocks", 0.03), lower: build("Continuum", 0.02) }
 }
 
 /// Builds a wave radiated from a point; the colour scale is clipped below the largest value.

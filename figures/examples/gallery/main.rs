@@ -12,8 +12,8 @@ mod waves;
 
 use crate::bands::build_band_figure;
 use crate::fields::{
-    build_bar_field, build_crack_field, build_energy_field, build_two_material_field,
-    build_wave_field, build_wave_frame,
+    build_bar_field, build_crack_field, build_energy_field, build_field_pair,
+    build_two_material_field, build_wave_field, build_wave_frame,
 };
 use crate::growth_rates::{build_directions_figure, build_growth_figure, build_polar_figure};
 use crate::joints::{build_circulation_field, build_joint_field};
@@ -53,6 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("field_bar", &|format| build_bar_field().draw(format))?;
     save("field_curves", &|format| build_crack_field().draw(format))?;
     save("field_hill", &|format| build_energy_field().draw(format))?;
+    save("field_pair", &|format| build_field_pair().draw(format))?;
     save("field_joints", &|format| build_joint_field([20, 10]).draw(format))?;
     save("field_joints_dense", &|format| build_joint_field([200, 100]).draw(format))?;
     save("field_circulation", &|format| build_circulation_field(20).draw(format))?;

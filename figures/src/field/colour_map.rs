@@ -98,6 +98,11 @@ impl ColourScale {
         }
     }
 
+    /// Returns the scale for figures whose values are all within its limits.
+    pub(super) fn without_values_beyond(self) -> Self {
+        Self { is_fixed: false, has_clipped_values: [false; 2], ..self }
+    }
+
     /// Returns all colours that cells of figures with this scale may have.
     pub fn all_colours(&self) -> Vec<Colour> {
         let first = if self.is_signed { -SHADE_COUNT } else { 0 };

@@ -99,19 +99,23 @@ impl FieldFigure {
 
     pub(crate) fn to_picture(&self, format: FigureFormat) -> Result<Picture, FigureError> {
         self.validate()?;
-        let scale = ColourScale::from_figure(self);
+        Ok(self.draw_with_scale(&ColourScale::from_figure(self), format))
+    }
+
+    /// Draws the figure, which must be valid, with a colour scale.
+    pub(super) fn draw_with_scale(&self, scale: &ColourScale, format: FigureFormat) -> Picture {
         let Arrangement { layout, legend, contours, overlay } =
-            self.compute_arrangement(&scale, format);
+            self.compute_arrangement(scale, format);
         let mut picture = page::create_page(layout.height, &self.title, &self.subtitle);
         let raster = self.build_raster(&layout, format);
-        self.draw_cells(&mut picture, &scale, &raster);
+        self.draw_cells(&mut picture, scale, &raster);
         match &contours {
             Contours::Lines(lines) => {
                 lines
                     .iter()
                     .for_each(|(share, line)| draw_contour_line(&mut picture, *share, line));
             }
-            Contours::Hatching => self.hatch_negative_cells(&mut picture, &scale, &raster),
+            Contours::Hatching => self.hatch_negative_cells(&mut picture, scale, &raster),
             Contours::TooMany | Contours::None => {}
         }
         let curves = self.magnitude_curves(&layout);
@@ -145,11 +149,11 @@ impl FieldFigure {
         picture.draw_frame(layout.frame, FRAME_LINE_WIDTH, INK);
         self.draw_axes(&mut picture, &layout);
         if let Some(bar) = layout.bar_area {
-            self.draw_colour_bar(&mut picture, &scale, &contours, bar, layout.is_bar_vertical);
+            self.draw_colour_bar(&mut picture, scale, &contours, bar, layout.is_bar_vertical);
         }
         self.draw_marks(&mut picture, &layout);
         legend.draw(&mut picture, MARGIN, layout.legend_top);
-        Ok(picture)
+        picture
     }
 
     pub(super) fn build_raster(&self, layout: &FieldLayout, format: FigureFormat) -> FieldRaster {

@@ -14,6 +14,7 @@ mod layout;
 mod legend;
 mod lines;
 mod marks;
+mod pair;
 mod raster;
 #[cfg(test)]
 mod tests;
@@ -23,3 +24,4 @@ mod yielded_cells;
 pub use arrows::{FieldArrow, FieldArrows};
 pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 pub use lines::{FieldLine, FieldLineSet, FieldLineStyle};
+pub use pair::FieldPairFigure;

@@ -11,6 +11,34 @@ pub(super) enum PictureShape {
     Text(Text),
 }
 
+impl PictureShape {
+    /// Moves the shape downwards by a distance in pixels.
+    fn shift_down(self, offset: f64) -> Self {
+        let shift_area = |area: Rectangle| Rectangle {
+            top: area.top + offset,
+            bottom: area.bottom + offset,
+            ..area
+        };
+        let shift_points = |points: Vec<Point>| -> Vec<Point> {
+            points.into_iter().map(|[x, y]| [x, y + offset]).collect()
+        };
+        match self {
+            Self::Rectangle(area, colour) => Self::Rectangle(shift_area(area), colour),
+            Self::Patches(areas, colour) => {
+                Self::Patches(areas.into_iter().map(shift_area).collect(), colour)
+            }
+            Self::Polygon(points, colour) => Self::Polygon(shift_points(points), colour),
+            Self::Line { points, width, colour } => {
+                Self::Line { points: shift_points(points), width, colour }
+            }
+            Self::Text(text) => {
+                let [x, y] = text.anchor_point;
+                Self::Text(Text { anchor_point: [x, y + offset], ..text })
+            }
+        }
+    }
+}
+
 /// Picture: a white sheet with shapes; later shapes cover earlier shapes.
 pub(crate) struct Picture {
     pub width: u32,
@@ -70,6 +98,14 @@ impl Picture {
 
     pub fn draw_text(&mut self, text: Text) {
         self.shapes.push(PictureShape::Text(text));
+    }
+
+    /// Enlarges the picture by another one below it.
+    pub fn append_below(&mut self, other: Self) {
+        let offset = f64::from(self.height);
+        self.width = self.width.max(other.width);
+        self.height += other.height;
+        self.shapes.extend(other.shapes.into_iter().map(|shape| shape.shift_down(offset)));
     }
 
     /// Returns the texts of the picture.

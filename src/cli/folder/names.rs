@@ -65,6 +65,21 @@ pub const SPEEDS_FILES: [&str; 8] = [
 pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
+/// Names of the files of `compare`, in addition to the common files; the last two unless an averaging area has a single cell along an axis.
+pub const COMPARISON_FILES: [&str; 11] = [
+    "compare.png",
+    "compare.svg",
+    "compare.csv",
+    "compare.json",
+    "compare.txt",
+    "compare-sigma22.png",
+    "compare-sigma22.svg",
+    "compare-sigma12.png",
+    "compare-sigma12.svg",
+    "compare-rotation.png",
+    "compare-rotation.svg",
+];
+
 /// Names of the files of `run`, in addition to the common files. Those of receivers, joints, snapshots, animation,
 /// dissipation, fluid and spectra are written only if the case has such output. Checkpoint and lock exist only until
 /// the run finishes. Snapshots have file names with an index, see [`is_snapshot_name`].
@@ -191,6 +206,7 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
         .chain([BLOCH_ARCHIVE_FILE])
         .chain(SPEEDS_FILES)
         .chain(CHECK_FILES)
+        .chain(COMPARISON_FILES)
         .chain(RUN_FILES);
     own.chain([Checksums::FILE_NAME])
 }

@@ -203,7 +203,7 @@ impl Display for IllPosedness {
 }
 
 /// Returns the axis label of a quantity, with symbol and unit, by its name in files.
-pub(super) fn axis_label(name: &str) -> String {
+pub(in crate::report) fn axis_label(name: &str) -> String {
     let digits: String = name.chars().filter(char::is_ascii_digit).collect();
     let subscript = |c: char| match c {
         '1'..='3' => char::from_u32('₀' as u32 + (c as u32 - '0' as u32)).unwrap_or(c),

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::case::{Case, TimeDomainRun};
-use crate::study::simulate::OutputFields;
+use crate::study::simulate::{FieldQuantity, OutputFields, quantity_unit};
 use files::vti::{ImageData, ImageGrid, Storage};
 
 /// Creates the ParaView image of the fields of one time; for flows on the deformed grid.
@@ -47,6 +47,33 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
         image.add_array("region", 1, &regions)?;
     }
     Ok(image)
+}
+
+/// Reads time, velocities, spin and stresses of a snapshot of a solid.
+///
+/// # Errors
+/// A message if the bytes are not a snapshot of this case.
+pub fn read_snapshot(case: &Case, bytes: &[u8]) -> Result<OutputFields, String> {
+    const OPTIONAL_NAMES: [&str; 3] = ["sigma12", "sigma21", "w3"];
+    let Some(run) = &case.solid_run else { return Err("no snapshot of a solid".to_owned()) };
+    let (grid, cells) = (&run.grid, run.grid.cell_count());
+    let time = files::vti::read_plain_time(bytes).ok_or("has no time")?;
+    let velocity = read_array(bytes, "velocity [m/s]", 3 * cells)?;
+    let mut quantities: Vec<FieldQuantity> = (0..grid.dimensions())
+        .map(|axis| {
+            let values = velocity.iter().skip(axis).step_by(3).copied().collect();
+            FieldQuantity::new(format!("v{}", axis + 1), values)
+        })
+        .collect();
+    let read = |name: &str| read_array(bytes, &format!("{name} [{}]", quantity_unit(name)), cells);
+    quantities.push(FieldQuantity::new("sigma22".to_owned(), read("sigma22")?));
+    for name in OPTIONAL_NAMES {
+        quantities.extend(read(name).map(|values| FieldQuantity::new(name.to_owned(), values)));
+    }
+    let centres =
+        |axis: usize| (0..grid.cells[axis]).map(|index| grid.cell_centre(axis, index)).collect();
+    let coordinates = (0..grid.dimensions()).map(centres).collect();
+    Ok(OutputFields { time, coordinates, quantities, ..OutputFields::default() })
 }
 
 /// Reads the named array of a snapshot; an error message if it is absent or has fewer than `cells` values.
