@@ -512,8 +512,10 @@ fn refinement_reports_progress_within_each_grid() {
     let settings = ["check.cells=[16, 32]", "check.numbers=[500]", "check.directions_deg=[20]"];
     let case =
         wellposed::load(bundled_case("check/grid-dependence.toml"), settings).expect("a case");
+    // On a thread of a pool: from any other thread each of its many small parallel loops would wake and await one.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let check = |on_progress: study::ProgressCallback| {
-        wellposed::check_agreement(&case, CheckExtent::Full, on_progress)
+        pool.install(|| wellposed::check_agreement(&case, CheckExtent::Full, on_progress))
     };
     let calls = Mutex::new(Vec::new());
     let record = |done: usize, total: usize| {

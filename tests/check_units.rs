@@ -2,6 +2,7 @@
 
 mod support;
 
+use rayon::prelude::*;
 use serde_json::Value;
 use std::fs;
 use support::bundled_case;
@@ -147,7 +148,8 @@ fn check_scaled_case(
     }
 }
 
-/// Verifies that other units of mass, length and time change no row and no verdict of any bundled case.
+/// Verifies that other units of mass, length and time change no row and no verdict of any bundled case. The checks run
+/// on threads of a rayon pool: from any other thread each of their many small parallel loops would wake and await one.
 fn check_unit_invariance(extent: CheckExtent, powers: &[[i32; 3]]) {
     let mut files = Vec::new();
     for folder in ["check", "cosserat", "dynamics", "flow", "granular-flow"] {
@@ -157,7 +159,7 @@ fn check_unit_invariance(extent: CheckExtent, powers: &[[i32; 3]]) {
     files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
     files.sort();
     assert!(files.len() >= 29);
-    for (index, file) in files.iter().enumerate() {
+    files.par_iter().enumerate().for_each(|(index, file)| {
         let name = file.file_name().expect("a name").to_string_lossy();
         let mut case = Case::load(file, &[]).expect("a case");
         let is_flow = matches!(case.material.kind, ModelKind::Flow(_));
@@ -181,7 +183,7 @@ fn check_unit_invariance(extent: CheckExtent, powers: &[[i32; 3]]) {
         for powers in powers.iter().cycle().skip(index).take(count) {
             check_scaled_case(&name, &case, &first, extent, *powers);
         }
-    }
+    });
 }
 
 /// Exponents of 2 for the units of mass, length and time: even and odd.

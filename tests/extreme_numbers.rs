@@ -132,7 +132,7 @@ fn results_are_bit_identical_under_change_of_mass_unit() {
     }
 }
 
-/// Verifies that loads below the threshold of flushing to zero are refused.
+/// Verifies that loads below the threshold of flushing to zero are refused, and loads too large for the return mapping.
 #[test]
 fn loads_below_flush_threshold_are_refused() {
     let here = create_case_folder(TEST_FOLDER, "loads", SOLID_CASE);
@@ -144,7 +144,7 @@ fn loads_below_flush_threshold_are_refused() {
         "f32",
     );
     assert_refused(&here, "--set load[0].amplitude=1e-150", "load[0].amplitude", "f64");
-    // Squares of stresses overflow in the return mapping: plastic dissipation was too small by factors.
+    // Products of stresses of this size overflow in the return mapping: the plastic dissipation would be far too small.
     assert_refused(&here, "--set load[0].amplitude=1e100", "load[0].amplitude", "f64");
     assert_refused(
         &here,

@@ -27,19 +27,32 @@ fn create_flow_folder(name: &str) -> PathBuf {
 }
 
 /// Verifies that other verbs on the folder of a run in progress succeed and leave the results of the run
-/// bit-identical.
+/// bit-identical: twice, with up to 21 verbs each.
 #[cfg(unix)]
 #[test]
 fn concurrent_verbs_leave_run_results_unchanged() {
-    let alone = create_solid_folder("alone");
+    check_concurrent_verbs("", 2, 21);
+}
+
+#[cfg(unix)]
+#[test]
+#[ignore = "takes long"]
+fn many_concurrent_verbs_leave_run_results_unchanged() {
+    check_concurrent_verbs("many-", 6, 60);
+}
+
+/// Checks `trials` runs with up to `max_verbs` other verbs each, in folders whose names begin with `prefix`.
+#[cfg(unix)]
+fn check_concurrent_verbs(prefix: &str, trials: usize, max_verbs: usize) {
+    let alone = create_solid_folder(&format!("{prefix}alone"));
     run_with_exit_code(0, &alone, RUN_ARGUMENTS);
     let expected = read_result_files(&alone.join("out"));
-    for trial in 0..6 {
-        let here = create_solid_folder(&format!("beside{trial}"));
+    for trial in 0..trials {
+        let here = create_solid_folder(&format!("{prefix}beside{trial}"));
         let run = start_program(&here, RUN_ARGUMENTS);
         wait_for_file(&here.join("out/ledger.csv"));
         let mut beside = 0;
-        while !here.join("out/run.json").exists() && beside < 60 {
+        while !here.join("out/run.json").exists() && beside < max_verbs {
             let verb = ["speeds", "dispersion", "point"][beside % 3];
             run_with_exit_code(0, &here, &format!("{verb} case.toml --out out --threads 1"));
             beside += 1;
@@ -80,18 +93,29 @@ fn concurrent_maps_lose_no_file() {
 }
 
 /// Verifies that two cases written to one folder concurrently with `--force` leave the complete results of one of
-/// them.
+/// them, in four trials.
 #[test]
 fn concurrent_forced_cases_do_not_mix() {
+    check_forced_cases("", 4);
+}
+
+#[test]
+#[ignore = "takes long"]
+fn many_concurrent_forced_cases_do_not_mix() {
+    check_forced_cases("many-", 40);
+}
+
+/// Checks `trials` folders whose names begin with `prefix`.
+fn check_forced_cases(prefix: &str, trials: usize) {
     let sets = ["background.pressure=500", "background.pressure=7000"];
     let point = |set: &str| format!("point case.toml --out out --threads 1 --force --set {set}");
     let expected = sets.map(|set| {
-        let here = create_flow_folder("one-case");
+        let here = create_flow_folder(&format!("{prefix}one-case"));
         run_with_exit_code(0, &here, &point(set));
         read_files(&here.join("out"))
     });
-    for trial in 0..10 {
-        let here = create_flow_folder(&format!("two-cases{trial}"));
+    for trial in 0..trials {
+        let here = create_flow_folder(&format!("{prefix}two-cases{trial}"));
         let children = [0, 1, 0, 1].map(|index| start_program(&here, &point(sets[index])));
         for child in children {
             let output = child.wait_with_output().unwrap();

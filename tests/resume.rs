@@ -16,10 +16,10 @@ fn create_solid_folder(name: &str) -> PathBuf {
     create_case_folder("resume", name, SOLID_CASE)
 }
 
-/// Verifies that runs killed at eight times of their duration and resumed until finished give the same files.
+/// Verifies that runs killed at four times of their duration and resumed until finished give the same files.
 #[test]
-fn eight_killed_runs_resume_to_bit_identical_files() {
-    check_killed_runs("eight", 8);
+fn four_killed_runs_resume_to_bit_identical_files() {
+    check_killed_runs("four", 4);
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn changed_case_is_not_resumed() {
 fn second_interruption_ends_run_at_once() {
     let uninterrupted = create_solid_folder("uninterrupted");
     assert!(run_program(&uninterrupted, RUN_ARGUMENTS).status.success());
-    for pause in [0, 1, 5] {
+    for pause in [0, 5] {
         let here = create_solid_folder("twice");
         let child = create_command(&here, RUN_ARGUMENTS).stderr(Stdio::piped()).spawn().unwrap();
         wait_for_file(&here.join("out/checkpoint"));

@@ -125,18 +125,28 @@ fn unit_conversion_factor(unit: DimensionExponents, exponents: DimensionExponent
     2f64.powi(unit.iter().zip(exponents).map(|(a, b)| a * b).sum())
 }
 
-/// Creates the systems of units in which every case is computed, as exponents of 2 for mass, length and time.
-fn create_unit_systems() -> Vec<DimensionExponents> {
-    let mut all = vec![[60, 60, 60], [-60, -60, -60]];
-    for axis in 0..3 {
-        for power in [-60, 60] {
-            let mut exponents = [0; 3];
-            exponents[axis] = power;
-            all.push(exponents);
+/// Systems of units, as exponents of 2 for mass, length and time, in sets that change all three.
+const UNIT_SYSTEMS: [[DimensionExponents; 3]; 3] = [
+    [[60, 60, 60], [-60, -60, -60], [7, -5, 3]],
+    [[60, 0, 0], [0, 60, 0], [0, 0, 60]],
+    [[-60, 0, 0], [0, -60, 0], [0, 0, -60]],
+];
+
+/// Extent of a test: each case in one of the sets of [`UNIT_SYSTEMS`] in turn, or in all systems of units.
+#[derive(Clone, Copy, PartialEq)]
+enum Extent {
+    OneSetInTurn,
+    AllSystems,
+}
+
+impl Extent {
+    /// Returns the systems of units in which the case of an index is computed.
+    fn unit_systems(self, index: usize) -> Vec<DimensionExponents> {
+        match self {
+            Self::OneSetInTurn => UNIT_SYSTEMS[index % UNIT_SYSTEMS.len()].to_vec(),
+            Self::AllSystems => UNIT_SYSTEMS.concat(),
         }
     }
-    all.push([7, -5, 3]);
-    all
 }
 
 /// Writes a case in other units and returns the folder.
@@ -167,10 +177,15 @@ fn read_json(path: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// Verifies that verdicts of states are equal in all units.
+/// Verifies that verdicts of states are equal in all units; a third of the systems of units for each case.
 #[test]
 fn verdicts_do_not_depend_on_units() {
-    for name in [
+    check_verdicts("", Extent::OneSetInTurn);
+}
+
+/// Computes verdicts in folders whose names begin with `prefix`.
+fn check_verdicts(prefix: &str, extent: Extent) {
+    let names = [
         "granular-flow/noncoaxiality-bound.toml",
         "granular-flow/dilatant-domain.toml",
         "granular-flow/plastic-potential.toml",
@@ -184,39 +199,47 @@ fn verdicts_do_not_depend_on_units() {
         "check/slipping-layers.toml",
         "check/yielding-cone.toml",
         "check/cubic-plane.toml",
-    ] {
+    ];
+    for (index, name) in names.into_iter().enumerate() {
         let case = with_explicit_wave_number(parse_bundled_case(name));
         let verdict = |exponents| {
-            let here = write_case(&name.replace(['/', '.'], "-"), &case, exponents);
+            let here =
+                write_case(&format!("{prefix}{}", name.replace(['/', '.'], "-")), &case, exponents);
             run_with_exit_code(0, &here, "point case.toml --out out");
             let all = read_json(&here.join("out/point.json"));
             ["verdict", "order", "hyperbolicity", "associated", "active"]
                 .map(|key| all.get(key).cloned().unwrap_or_default())
         };
         let own = verdict(DIMENSIONLESS);
-        for exponents in create_unit_systems() {
+        for exponents in extent.unit_systems(index) {
             assert_eq!(verdict(exponents), own, "{name} in units of 2^{exponents:?}");
         }
     }
 }
 
-/// Verifies that every verdict of a map is equal in all units.
+/// Verifies that every verdict of a map is equal in all units; a third of the systems of units for each case.
 #[test]
 fn maps_do_not_depend_on_units() {
-    for name in [
+    check_maps("map-", Extent::OneSetInTurn);
+}
+
+/// Computes maps in folders whose names begin with `prefix`.
+fn check_maps(prefix: &str, extent: Extent) {
+    let names = [
         "granular-flow/noncoaxiality-bound.toml",
         "granular-flow/dilatant-domain.toml",
         "cosserat/shear-band.toml",
         "cosserat/microrotation.toml",
         "cosserat/rotation-waves.toml",
-    ] {
+    ];
+    for (index, name) in names.into_iter().enumerate() {
         let mut case = with_explicit_wave_number(parse_bundled_case(name));
         for axis in ["x", "y"] {
             case["map"][axis]["points"] = Value::Integer(7);
         }
         let verdicts = |exponents| {
             let here =
-                write_case(&format!("map-{}", name.replace(['/', '.'], "-")), &case, exponents);
+                write_case(&format!("{prefix}{}", name.replace(['/', '.'], "-")), &case, exponents);
             run_with_exit_code(0, &here, "map case.toml --out out");
             let text = fs::read_to_string(here.join("out/map.csv")).unwrap();
             let mut rows = text
@@ -228,7 +251,7 @@ fn maps_do_not_depend_on_units() {
         };
         let own = verdicts(DIMENSIONLESS);
         assert_eq!(own.len(), 49);
-        for exponents in create_unit_systems() {
+        for exponents in extent.unit_systems(index) {
             assert_eq!(verdicts(exponents), own, "{name} in units of 2^{exponents:?}");
         }
     }
@@ -409,12 +432,19 @@ fn compare_tables(name: &str, case: &Table, units: &[DimensionExponents], tables
     }
 }
 
-/// Verifies that records and energies of yielding solids are bit-identical in all units, after scaling.
+/// Verifies that records and energies of yielding solids are bit-identical in all units, after scaling; a third of the
+/// systems of units for each solid.
 #[test]
 fn runs_of_solids_do_not_depend_on_units() {
-    for (name, model, sections) in SOLIDS {
+    check_runs_of_solids("", Extent::OneSetInTurn);
+}
+
+/// Runs solids in folders whose names begin with `prefix`.
+fn check_runs_of_solids(prefix: &str, extent: Extent) {
+    for (index, (name, model, sections)) in SOLIDS.into_iter().enumerate() {
+        let name = format!("{prefix}{name}");
         let case: Table = format!("{model}{sections}{LOADING_SECTIONS}").parse().unwrap();
-        compare_tables(name, &case, &create_unit_systems(), &["receivers.csv", "ledger.csv"]);
+        compare_tables(&name, &case, &extent.unit_systems(index), &["receivers.csv", "ledger.csv"]);
         let text = fs::read_to_string(
             Path::new(env!("CARGO_TARGET_TMPDIR"))
                 .join(format!("units/{name}0_0_0/out/ledger.csv")),
@@ -434,5 +464,13 @@ fn runs_of_flows_do_not_depend_on_units() {
     case["grid"]["cells"] = Value::Array(vec![Value::Integer(16), Value::Integer(16)]);
     case["initial"][0]["to"] = Value::Integer(5);
     case["time"]["duration"] = Value::Float(1e-3);
-    compare_tables("flow", &case, &create_unit_systems(), &["receivers.csv"]);
+    compare_tables("flow", &case, &UNIT_SYSTEMS.concat(), &["receivers.csv"]);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn verdicts_maps_and_runs_do_not_depend_on_any_units() {
+    check_verdicts("all-", Extent::AllSystems);
+    check_maps("all-map-", Extent::AllSystems);
+    check_runs_of_solids("all-", Extent::AllSystems);
 }

@@ -286,16 +286,17 @@ fn layers_without_linear_state_are_rejected() {
 fn progress_callback_counts_tasks_and_cancels() {
     let cell =
         build_square_blocks(LayerMaterial::Elastic(elastic_layer(1e-3)), MassDistribution::Box);
-    let most = AtomicUsize::new(0);
-    // Chains: 2 axes, 2 polarisations, 2 branches. In the plane: the modes, and 2 branches on 3 grids.
+    let max_done = AtomicUsize::new(0);
+    // Tasks for chains: 8, one for each of 2 branches of 2 polarisations along 2 axes. Tasks for waves in the plane: 1
+    // predicts the modes, 6 measure 2 branches on 3 grids.
     let count = |done: usize, total: usize| {
         assert_eq!(total, 8 + 1 + 6);
-        most.fetch_max(done, Ordering::Relaxed);
+        max_done.fetch_max(done, Ordering::Relaxed);
         ControlFlow::Continue(())
     };
     compare_blocks(&cell, &build_solver_blocks(&cell), &wave_settings(1, 1), &count)
         .expect("results");
-    assert_eq!(most.into_inner(), 15);
+    assert_eq!(max_done.into_inner(), 15);
     let cancel = |_: usize, _: usize| ControlFlow::Break(());
     let found = compare_blocks(&cell, &build_solver_blocks(&cell), &wave_settings(1, 1), &cancel);
     assert_eq!(found, Err(AgreementError::Cancelled));

@@ -51,8 +51,8 @@ fn main() {
             let dilatancy = 0.6 * (point % 10) as f64 / 10.0;
             let set = Mises {
                 antisymmetric_weight: 0.5,
-                symmetric_length: Some(0.5),
-                antisymmetric_length: Some(0.5),
+                symmetric_internal_length: Some(0.5),
+                antisymmetric_internal_length: Some(0.5),
                 ..Mises::new_drucker_prager(1.0, 0.6, dilatancy)
             };
             let Some(condition) = set.condition(&Stress { force, couple }) else { continue };

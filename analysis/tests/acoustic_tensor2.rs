@@ -64,8 +64,8 @@ fn random_yielding_equations(random: &mut RandomNumbers) -> Option<RateEquations
         }
         let set = Mises {
             antisymmetric_weight: random.uniform(0.0, 2.0),
-            symmetric_length: Some(1.0),
-            antisymmetric_length: Some(0.7),
+            symmetric_internal_length: Some(1.0),
+            antisymmetric_internal_length: Some(0.7),
             hardening: random.uniform(-0.2, 0.3),
             ..Mises::new_drucker_prager(1.0, random.uniform(0.0, 1.2), random.uniform(-0.3, 1.2))
         };

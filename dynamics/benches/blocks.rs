@@ -1,9 +1,10 @@
 //! Blocky media: rates for each kind of joint against the undivided solid, and time per block and step T(N) against the
 //! number of blocks N.
 //!
-//! `cargo bench -p wellposed-dynamics --bench blocks -- kinds` and `… -- count`; blocks have 10 × 10 cells.
+//! `cargo bench -p wellposed-dynamics --bench blocks -- kinds` and `… -- count [PICTURE.png]`; blocks have 10 × 10 cells.
 //! Rounds of all rows of a table are interleaved, and the fastest of each counts.
 
+use figures::{FigureFormat, GrowthFigure, GrowthPanel, LabelledCurve};
 use models::interface::elastic::ElasticMaterial;
 use models::interface::layer::LayerLaw;
 use models::interface::parameters::{
@@ -141,40 +142,67 @@ fn compare_joint_kinds() {
     }
 }
 
-/// Measures the time per block and step against the number of blocks.
-fn compare_block_counts() {
+/// Measures the time per block and step against the number of blocks, and draws it into a file if there is a `picture`.
+fn compare_block_counts(picture: Option<&str>) {
+    let mut curves = [Vec::new(), Vec::new()];
     println!("| joints | threads | blocks N | ns per block and step |");
     println!("|---|---|---|---|");
     for (name, law) in
         build_joint_laws().into_iter().filter(|own| ["elastic", "saturated"].contains(&own.0))
     {
         for threads in [1, 2] {
+            let mut points = [Vec::new(), Vec::new()];
             for blocks_per_side in [10, 18, 32, 56, 100, 178, 316] {
                 let mut domain = build_domain(blocks_per_side, law, threads);
                 let count = (blocks_per_side * blocks_per_side) as f64;
                 let steps = (40_000.0 / count).ceil().max(2.0) as usize;
                 let times = (0..5).map(|_| time_steps(&mut domain, steps));
                 let fastest = times.fold(f64::INFINITY, f64::min);
+                points[0].push([count, 1e3 * fastest]);
+                points[1].push([count, 1e9 * fastest / count]);
                 println!(
                     "| {name} | {threads} | {} | {:.0} |",
                     blocks_per_side * blocks_per_side,
                     1e9 * fastest / count
                 );
             }
+            let label = format!("{name}, {threads} thread{}", if threads == 1 { "" } else { "s" });
+            for (curves, points) in curves.iter_mut().zip(points) {
+                curves.push(LabelledCurve { label: label.clone(), points });
+            }
         }
     }
+    let Some(path) = picture else { return };
+    let panel = |y_label: &str, curves| GrowthPanel {
+        x_label: "number of blocks N".to_owned(),
+        y_label: y_label.to_owned(),
+        is_x_log: true,
+        curves,
+        reference_lines: Vec::new(),
+        marks: Vec::new(),
+    };
+    let [steps, blocks] = curves;
+    let figure = GrowthFigure {
+        title: "Time of a step against the number of blocks".to_owned(),
+        subtitle: "blocks of 10 × 10 cells, double precision".to_owned(),
+        by_direction: panel("time per step T (ms)", steps),
+        by_wave_number: panel("time per block and step (ns)", blocks),
+    };
+    std::fs::write(path, figure.draw(FigureFormat::Png).expect("fonts")).expect("writable path");
 }
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_wanted = |table: &str| {
-        let mut tables = arguments.iter().filter(|word| !word.starts_with("--")).peekable();
+        let is_table = |word: &&String| !word.starts_with("--") && !word.ends_with(".png");
+        let mut tables = arguments.iter().filter(is_table).peekable();
         tables.peek().is_none() || tables.any(|word| word == table)
     };
     if is_wanted("kinds") {
         compare_joint_kinds();
     }
     if is_wanted("count") {
-        compare_block_counts();
+        let picture = arguments.iter().find(|word| word.ends_with(".png"));
+        compare_block_counts(picture.map(String::as_str));
     }
 }

@@ -44,8 +44,8 @@ fn build_media(theory: Theory, configuration: Configuration, strength: f64) -> V
     let is_cosserat = theory == Theory::Cosserat;
     let cone = Mises {
         antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
-        symmetric_length: is_cosserat.then_some(0.9),
-        antisymmetric_length: is_cosserat.then_some(0.7),
+        symmetric_internal_length: is_cosserat.then_some(0.9),
+        antisymmetric_internal_length: is_cosserat.then_some(0.7),
         // No friction: with friction, tensile noise returns to the apex, which is handled by the scalar projection.
         ..Mises::new_von_mises(strength)
     };

@@ -96,9 +96,9 @@ pub struct FlowEnergy {
 pub struct FlowSnapshot {
     /// Number of steps done since time 0.
     pub steps: usize,
-    /// Arrays in a fixed order: numbers of the step size control, state, pressure modes, eigenvector estimate of the
-    /// power method.
-    pub arrays: Vec<Vec<f64>>,
+    /// Arrays of the solver in a fixed order: numbers of the step size control, state, pressure modes, eigenvector
+    /// estimate of the power method.
+    pub solver_arrays: Vec<Vec<f64>>,
 }
 
 /// State of the step size control.

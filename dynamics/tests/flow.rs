@@ -397,7 +397,11 @@ fn results_do_not_depend_on_threads_or_snapshots() {
         };
         let expected = run(1, false);
         let bits = |snapshot: &wellposed_dynamics::flow::FlowSnapshot| -> Vec<Vec<u64>> {
-            snapshot.arrays.iter().map(|part| part.iter().map(|x| x.to_bits()).collect()).collect()
+            snapshot
+                .solver_arrays
+                .iter()
+                .map(|part| part.iter().map(|x| x.to_bits()).collect())
+                .collect()
         };
         for found in [run(3, false), run(2, true)] {
             assert_eq!(expected.0, found.0, "{closure:?}");
@@ -429,7 +433,7 @@ fn step_size_and_number_of_stages_are_limited() {
     let before = flow.snapshot();
     let failure = flow.advance_by(1.0, 0).expect_err("too many stages");
     assert!(failure.description.contains("too many stages"), "{failure}");
-    assert_eq!(flow.snapshot().arrays[1], before.arrays[1]);
+    assert_eq!(flow.snapshot().solver_arrays[1], before.solver_arrays[1]);
 }
 
 /// Verifies that a step calls back before each evaluation of the right-hand side, at times within the step.

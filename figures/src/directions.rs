@@ -280,10 +280,12 @@ impl DirectionLabel {
     }
 }
 
-/// Shifts ascending heights so that neighbours are at least `gap` apart, with the least sum of squared shifts (pool
-/// adjacent violators), and into `bounds` if there is enough space.
+/// Shifts ascending heights so that neighbours are at least `gap` apart, with the least sum of squared shifts, and into
+/// `bounds` if there is enough space. Pool-adjacent-violators algorithm: labels that would be too close are merged into
+/// a group at distances `gap`, which moves as a whole to its mean preferred position.
 pub(crate) fn spread_heights(preferred: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
-    // Blocks of adjacent labels: sum of their preferred start positions, and number of labels.
+    // Groups of adjacent labels: sum of the preferred heights of the first label, one from each label; number of
+    // labels.
     let mut groups: Vec<(f64, usize)> = Vec::new();
     for (index, height) in preferred.iter().enumerate() {
         let mut group = (height - index as f64 * gap, 1);

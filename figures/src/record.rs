@@ -65,7 +65,8 @@ const MARKER_OFFSET: f64 = 56.0;
 const ROUND_OFF_TOLERANCE: f64 = 1e-9;
 const ZERO_LINE_COLOUR: RGBColor = RGBColor(110, 110, 110);
 
-fn is_finite(value: f64) -> bool {
+/// Returns whether a value is finite and small enough to be drawn on a scale.
+fn is_plottable(value: f64) -> bool {
     value.abs() < FINITE_LIMIT
 }
 
@@ -82,7 +83,7 @@ struct RecordScale {
 impl RecordScale {
     fn from_panel(panel: &RecordPanel, height: f64) -> Self {
         let all = || panel.series.iter().flat_map(|series| series.values.iter().copied());
-        let finite = || all().filter(|value| is_finite(*value));
+        let finite = || all().filter(|value| is_plottable(*value));
         let (low, high) = finite()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
@@ -99,7 +100,7 @@ impl RecordScale {
                 Vec::new(),
             );
         }
-        let is_partial = all().any(|value| !is_finite(value));
+        let is_partial = all().any(|value| !is_plottable(value));
         if size == 0.0 {
             let message = if is_partial { "zero wherever it is finite" } else { "zero" };
             return with_message(message, vec![(0.0, "0".to_owned())]);
@@ -176,7 +177,7 @@ fn decimate(
     // Gaps within a pixel column are not visible: the line continues.
     let mut is_broken = false;
     for (index, (time, value)) in times.iter().zip(values).enumerate() {
-        if !is_finite(*value) {
+        if !is_plottable(*value) {
             is_broken = true;
             continue;
         }
@@ -226,7 +227,7 @@ impl RecordFigure<'_> {
         if self.times.is_empty() {
             return refuse("has no values");
         }
-        if !self.times.iter().all(|time| is_finite(*time)) {
+        if !self.times.iter().all(|time| is_plottable(*time)) {
             return refuse("has a value that is not a finite number");
         }
         if self.times.windows(2).any(|pair| pair[1] < pair[0]) {
@@ -281,7 +282,7 @@ impl RecordFigure<'_> {
             let series = self.panels.iter().flat_map(|panel| &panel.series);
             series.flat_map(|series| series.values)
         };
-        let non_finite = values().filter(|value| !is_finite(**value)).count();
+        let non_finite = values().filter(|value| !is_plottable(**value)).count();
         if non_finite > 0 {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let y = 0.5 * (area.top + area.bottom);

@@ -43,9 +43,9 @@ pub struct SphereFigure {
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Polar angles from x₃, degrees from 0 to 90, ascending.
-    pub polar_deg: Vec<f64>,
+    pub polar_angles_deg: Vec<f64>,
     /// Azimuths from x₁ towards x₂ over the full circle, degrees, ascending; the azimuth 360° may be omitted.
-    pub azimuth_deg: Vec<f64>,
+    pub azimuth_angles_deg: Vec<f64>,
     /// Value for each pair of angles, azimuth varying fastest; NaN if missing. Values are interpolated between the
     /// angles; with steps of one degree the edges of missing values are smooth.
     pub values: Vec<f64>,
@@ -84,7 +84,9 @@ impl SphereFigure {
     }
 
     fn validate(&self) -> Result<(), FigureError> {
-        for (label, angles) in [("polar angle", &self.polar_deg), ("azimuth", &self.azimuth_deg)] {
+        for (label, angles) in
+            [("polar angle", &self.polar_angles_deg), ("azimuth", &self.azimuth_angles_deg)]
+        {
             let refuse = |problem| FigureError::Axis { label: label.to_owned(), problem };
             if angles.iter().any(|angle| !angle.is_finite()) {
                 return Err(refuse("has a point that is not a finite number"));
@@ -93,7 +95,7 @@ impl SphereFigure {
                 return Err(refuse("does not ascend"));
             }
         }
-        let (rows, columns) = (self.polar_deg.len(), self.azimuth_deg.len());
+        let (rows, columns) = (self.polar_angles_deg.len(), self.azimuth_angles_deg.len());
         if self.values.len() == rows * columns {
             return Ok(());
         }
@@ -130,29 +132,35 @@ impl SphereFigure {
     /// missing values; NaN if the sum of the remaining weights is less than `min_weight`. If one of the four levels is
     /// infinite, the level of the nearest of the four directions is returned.
     fn interpolate_level(&self, [polar, azimuth]: [f64; 2], min_weight: f64) -> f64 {
-        let (Some(&first), Some(&last)) = (self.azimuth_deg.first(), self.azimuth_deg.last())
+        let (Some(&first), Some(&last)) =
+            (self.azimuth_angles_deg.first(), self.azimuth_angles_deg.last())
         else {
             return f64::NAN;
         };
-        if self.polar_deg.is_empty() {
+        if self.polar_angles_deg.is_empty() {
             return f64::NAN;
         }
         let interpolation_weight = |low: f64, high: f64, angle: f64| {
             if high > low { ((angle - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 }
         };
-        let row = self.polar_deg.partition_point(|angle| *angle <= polar).saturating_sub(1);
-        let next_row = (row + 1).min(self.polar_deg.len() - 1);
-        let down = interpolation_weight(self.polar_deg[row], self.polar_deg[next_row], polar);
+        let row = self.polar_angles_deg.partition_point(|angle| *angle <= polar).saturating_sub(1);
+        let next_row = (row + 1).min(self.polar_angles_deg.len() - 1);
+        let down = interpolation_weight(
+            self.polar_angles_deg[row],
+            self.polar_angles_deg[next_row],
+            polar,
+        );
         let azimuth = first + (azimuth - first).rem_euclid(360.0);
-        let column = self.azimuth_deg.partition_point(|angle| *angle <= azimuth).saturating_sub(1);
+        let column =
+            self.azimuth_angles_deg.partition_point(|angle| *angle <= azimuth).saturating_sub(1);
         // The first azimuth follows the last azimuth.
-        let (next_column, next_angle) = match self.azimuth_deg.get(column + 1) {
+        let (next_column, next_angle) = match self.azimuth_angles_deg.get(column + 1) {
             Some(angle) => (column + 1, *angle),
             None => (0, (first + 360.0).max(last)),
         };
-        let right = interpolation_weight(self.azimuth_deg[column], next_angle, azimuth);
+        let right = interpolation_weight(self.azimuth_angles_deg[column], next_angle, azimuth);
         let value = |row: usize, column: usize| {
-            self.to_level(self.values[row * self.azimuth_deg.len() + column])
+            self.to_level(self.values[row * self.azimuth_angles_deg.len() + column])
         };
         let corners =
             [(row, column), (row, next_column), (next_row, column), (next_row, next_column)]
@@ -496,8 +504,8 @@ mod tests {
         SphereFigure {
             title: "Title".to_owned(),
             subtitle: "subtitle".to_owned(),
-            polar_deg: polar.to_vec(),
-            azimuth_deg: azimuth.to_vec(),
+            polar_angles_deg: polar.to_vec(),
+            azimuth_angles_deg: azimuth.to_vec(),
             values: values.to_vec(),
             value_label: "speed c (m/s)".to_owned(),
             is_value_log: false,

@@ -18,7 +18,7 @@ pub struct Checksums {
 }
 
 impl Checksums {
-    /// File name of the list, and the name in its last line.
+    /// File name of the list; its last line has this name, with length and checksum of the lines before it.
     pub const FILE_NAME: &str = "checksums.txt";
 
     /// Adds a file or replaces its entry.

@@ -176,8 +176,8 @@ fn constants_out_of_range_are_rejected_by_name() {
         ("friction", Mises { friction: -0.1, ..sound }),
         ("dilatancy", Mises { dilatancy: f64::NAN, ..sound }),
         ("antisymmetric_weight", Mises { antisymmetric_weight: -1.0, ..sound }),
-        ("symmetric_length", Mises { symmetric_length: Some(0.0), ..sound }),
-        ("antisymmetric_length", Mises { antisymmetric_length: Some(-1.0), ..sound }),
+        ("symmetric_length", Mises { symmetric_internal_length: Some(0.0), ..sound }),
+        ("antisymmetric_length", Mises { antisymmetric_internal_length: Some(-1.0), ..sound }),
     ];
     for (key, set) in broken {
         assert_eq!(set.check().unwrap_err().input, key);

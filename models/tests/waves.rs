@@ -106,7 +106,7 @@ fn compare_wave_pairs<const D: usize>(
 
 /// The velocity–stress pairs and the spin rotation of isotropic solids agree with the matrices of the rate equations.
 #[test]
-fn wave_pairs_of_isotropic_solids_agree_with_the_matrices() {
+fn wave_pairs_of_isotropic_solids_agree_with_the_rate_matrices() {
     let random = &mut RandomNumbers::new(51);
     for index in 0..300 {
         let theory = THEORIES[index % 3];
@@ -123,7 +123,7 @@ fn wave_pairs_of_isotropic_solids_agree_with_the_matrices() {
 /// The velocity–stress pairs and the spin rotation of solids by compliances agree with the matrices of the rate
 /// equations.
 #[test]
-fn wave_pairs_from_compliances_agree_with_the_matrices() {
+fn wave_pairs_from_compliances_agree_with_the_rate_matrices() {
     let random = &mut RandomNumbers::new(52);
     for _ in 0..100 {
         let solid = random_plane_compliances(random, 0.9);

@@ -85,7 +85,7 @@ fn check_earlier_comparison(
         .and_then(|bytes| serde_json::from_slice(&bytes).ok())
         .unwrap_or_default();
     let is_other =
-        earlier["runs"][1]["case"].as_str().is_some_and(|case| case != found.runs[1].case);
+        earlier["runs"][1]["case"].as_str().is_some_and(|case| case != found.runs[1].case_checksum);
     if can_overwrite || !is_other {
         return Ok(());
     }

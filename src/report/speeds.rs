@@ -162,8 +162,9 @@ fn format_csv(found: &SpeedsResult) -> Result<Vec<u8>, Error> {
 }
 
 fn format_sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
-    let Hemisphere { polar_deg, azimuth_deg, slowest_speeds } = hemisphere;
-    let directions = polar_deg.iter().flat_map(|&p| azimuth_deg.iter().map(move |&a| (p, a)));
+    let Hemisphere { polar_angles_deg, azimuth_angles_deg, slowest_speeds } = hemisphere;
+    let directions =
+        polar_angles_deg.iter().flat_map(|&p| azimuth_angles_deg.iter().map(move |&a| (p, a)));
     let rows = directions.zip(slowest_speeds).map(
         |((polar, azimuth), value)| -> Vec<files::csv::CsvCell> {
             vec![polar.into(), azimuth.into(), (*value).into()]
@@ -279,8 +280,8 @@ fn create_sphere_figure(
             "{}: slowest wave over all normals; opposite normals are equivalent",
             case.medium().title()
         ),
-        polar_deg: hemisphere.polar_deg.clone(),
-        azimuth_deg: hemisphere.azimuth_deg.clone(),
+        polar_angles_deg: hemisphere.polar_angles_deg.clone(),
+        azimuth_angles_deg: hemisphere.azimuth_angles_deg.clone(),
         values: hemisphere.slowest_speeds.clone(),
         value_label: "slowest speed c (m/s)".into(),
         is_value_log: false,

@@ -83,9 +83,11 @@ pub struct VanishingSpeed {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hemisphere {
     /// Polar angles from x₃, 0° to 90°, degrees.
-    pub polar_deg: Vec<f64>,
+    #[serde(rename = "polar_deg")]
+    pub polar_angles_deg: Vec<f64>,
     /// Azimuths about x₃ from x₁, from 0° to below 360°, degrees.
-    pub azimuth_deg: Vec<f64>,
+    #[serde(rename = "azimuth_deg")]
+    pub azimuth_angles_deg: Vec<f64>,
     /// Slowest nonzero speed by direction, m/s, azimuth fastest; NaN if a speed is complex or imaginary, infinite if
     /// all speeds vanish.
     #[serde(rename = "slowest")]
@@ -121,7 +123,7 @@ pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<Spee
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let hemisphere = Hemisphere::new();
-    let all = 1 + if solid.dimensions == 2 { 0 } else { hemisphere.polar_deg.len() };
+    let all = 1 + if solid.dimensions == 2 { 0 } else { hemisphere.polar_angles_deg.len() };
     report_progress(on_progress, 0, all)?;
     let cache = AcousticTensorCache::default();
     let (assessment, _) = SolidAssessor::new(&cache).assess(&solid).map_err(locate_error)?;
@@ -189,7 +191,11 @@ impl Hemisphere {
         let angle_list = |to: usize| {
             (0..to).step_by(ANGULAR_STEP_DEG).map(|degrees| degrees as f64).collect::<Vec<_>>()
         };
-        Self { polar_deg: angle_list(91), azimuth_deg: angle_list(360), slowest_speeds: Vec::new() }
+        Self {
+            polar_angles_deg: angle_list(91),
+            azimuth_angles_deg: angle_list(360),
+            slowest_speeds: Vec::new(),
+        }
     }
 
     /// Computes the slowest nonzero speeds; `report_row_done` is called after each polar angle.
@@ -204,11 +210,11 @@ impl Hemisphere {
                 let (y, x) = azimuth.to_radians().cr_sin_cos();
                 slowest_speed(rates, [sin * x, sin * y, cos])
             };
-            let row: Vec<f64> = self.azimuth_deg.iter().map(speed).collect();
+            let row: Vec<f64> = self.azimuth_angles_deg.iter().map(speed).collect();
             report_row_done()?;
             Ok(row)
         };
-        let rows = self.polar_deg.par_iter().map(row).collect::<Result<Vec<_>, Error>>()?;
+        let rows = self.polar_angles_deg.par_iter().map(row).collect::<Result<Vec<_>, Error>>()?;
         Ok(Self { slowest_speeds: rows.concat(), ..self })
     }
 }

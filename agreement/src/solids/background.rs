@@ -12,7 +12,8 @@ pub(super) struct BackgroundStress {
     pub(super) stress: Stress,
     /// Stress, as a vector of unknowns, for which every active condition has unit value in energy coordinates.
     pub(super) yield_normal_stress: DVector<f64>,
-    pub(super) is_curved: bool,
+    /// Whether the yield set is no polyhedron.
+    pub(super) has_curved_yield_surface: bool,
     /// Energy norm of the background stress, √(J/m³).
     pub(super) energy_norm: f64,
     /// Largest energy norm of a wave that activates no further yield condition, at most `energy_norm`, √(J/m³).
@@ -55,7 +56,7 @@ impl BackgroundStress {
         let norm = (&yielding.energy_transform * &unknowns).norm();
         let mut capacity = norm;
         let half_spaces = plastic.set.half_spaces();
-        let is_curved = half_spaces.is_none();
+        let has_curved_yield_surface = half_spaces.is_none();
         for (condition, strength) in half_spaces.into_iter().flatten() {
             if plastic.active_conditions.contains(&condition) {
                 continue;
@@ -75,7 +76,7 @@ impl BackgroundStress {
         Ok(Some(Self {
             stress,
             yield_normal_stress,
-            is_curved,
+            has_curved_yield_surface,
             energy_norm: norm,
             wave_capacity: capacity,
         }))

@@ -294,8 +294,11 @@ impl<const D: usize> SolidExperiment<'_, D> {
         background: &BackgroundStress,
         steps: usize,
     ) -> Result<(f64, f64), MeasurementError> {
-        let part =
-            if background.is_curved { f64::EPSILON.sqrt() } else { FLAT_SURFACE_STRESS_RATIO };
+        let part = if background.has_curved_yield_surface {
+            f64::EPSILON.sqrt()
+        } else {
+            FLAT_SURFACE_STRESS_RATIO
+        };
         // Energy norm, since stress and couple stress have different units.
         let velocities = self.solid.elastic_law.rates_with_out_of_plane::<D>().velocity_count();
         let stress = amplitude.rows_range(velocities..).norm();
@@ -303,7 +306,7 @@ impl<const D: usize> SolidExperiment<'_, D> {
         // Over one period plastic flow rotates the normal by up to 2π × safety factor × relative stress of the wave;
         // the rotation enters the projection twice.
         let normal_rotation =
-            if background.is_curved { 4.0 * PI * SAFETY_FACTOR * part } else { 0.0 };
+            if background.has_curved_yield_surface { 4.0 * PI * SAFETY_FACTOR * part } else { 0.0 };
         let rounding = f64::EPSILON * background.energy_norm / (part * background.wave_capacity);
         if rounding > 0.1 {
             return Err(MeasurementError::BelowRounding);

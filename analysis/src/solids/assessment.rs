@@ -182,7 +182,7 @@ impl<'a> SolidAssessor<'a> {
         let rates = solid.rates::<2>()?;
         if solid.is_symmetric_hyperbolic() {
             return Ok((
-                symmetric_assessment(AcousticTensor2::new(&rates).search_extremes(&[])),
+                assess_symmetric_hyperbolic(AcousticTensor2::new(&rates).search_extremes(&[])),
                 None,
             ));
         }
@@ -244,7 +244,7 @@ impl<'a> SolidAssessor<'a> {
             }
         };
         if solid.is_symmetric_hyperbolic() {
-            return Ok(symmetric_assessment(extremes));
+            return Ok(assess_symmetric_hyperbolic(extremes));
         }
         let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
         let SlowestSpeed { squared_speed, rounding, .. } = extremes.slowest;
@@ -276,8 +276,8 @@ fn growth_verdict(extremes: &WaveExtremes) -> (Verdict, Option<[f64; 3]>) {
     (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
 }
 
-/// Verdict on a solid that conserves or dissipates energy (symmetric-hyperbolic).
-fn symmetric_assessment(mut extremes: WaveExtremes) -> SolidAssessment {
+/// Assesses a solid with symmetric-hyperbolic equations, which conserve or dissipate energy: it is well-posed.
+fn assess_symmetric_hyperbolic(mut extremes: WaveExtremes) -> SolidAssessment {
     // Every c² is real and nonnegative; values below zero are rounding.
     extremes.flutter = None;
     extremes.slowest.squared_speed = extremes.slowest.squared_speed.max(0.0);

@@ -95,8 +95,8 @@ pub fn rank_one_update(
 pub fn random_cosserat_mises(random: &mut RandomNumbers) -> Mises {
     Mises {
         antisymmetric_weight: random.uniform(0.0, 2.0),
-        symmetric_length: Some(random.log_uniform(0.3, 3.0)),
-        antisymmetric_length: Some(random.log_uniform(0.3, 3.0)),
+        symmetric_internal_length: Some(random.log_uniform(0.3, 3.0)),
+        antisymmetric_internal_length: Some(random.log_uniform(0.3, 3.0)),
         ..Mises::new_drucker_prager(1.0, random.uniform(0.0, 1.5), random.uniform(-0.5, 1.5))
     }
 }

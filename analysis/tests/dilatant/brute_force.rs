@@ -61,22 +61,28 @@ pub fn describe_difference(
     (!agrees).then(|| format!("{verdict:?}: {force:?}"))
 }
 
-/// Verifies the verdicts on backgrounds with one flag, none and all, in all zones, against brute force.
+/// Verifies the verdicts on backgrounds with one flag, none and all, in all zones, against brute force: three states
+/// inside, one in each other zone.
 #[test]
 fn brute_force_confirms_harris_grekova_with_dilatancy() {
-    const INSIDE_STATE_COUNT: u64 = 8;
-    const OUTSIDE_STATE_COUNT: u64 = 3;
+    confirm_harris_grekova(3, 1);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn brute_force_confirms_many_states_of_harris_grekova() {
+    confirm_harris_grekova(8, 3);
+}
+
+/// Confirms `inside` states of each background in the zone [`Inside`] and `outside` states in each other zone.
+fn confirm_harris_grekova(inside: u64, outside: u64) {
     let backgrounds = [UNIFORM, 1, 2, 4, 8, 16, 32, ALL_FLAGS];
     let cases: Vec<(BackgroundFlags, NoncoaxialityZone, u64)> = backgrounds
         .into_iter()
         .flat_map(|parts| {
-            [
-                (Inside, INSIDE_STATE_COUNT),
-                (Outside, OUTSIDE_STATE_COUNT),
-                (Reversed, OUTSIDE_STATE_COUNT),
-            ]
-            .into_iter()
-            .flat_map(move |(zone, count)| (0..count).map(move |n| (parts, zone, n)))
+            [(Inside, inside), (Outside, outside), (Reversed, outside)]
+                .into_iter()
+                .flat_map(move |(zone, count)| (0..count).map(move |n| (parts, zone, n)))
         })
         .collect();
     let wrong: Vec<String> = cases
@@ -95,16 +101,26 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
 }
 
 /// Verifies the verdicts on the associated plastic potential and on dilatant double shearing, with accelerations and
-/// gradients, against brute force.
+/// gradients, against brute force: four states of each.
 #[test]
 fn brute_force_confirms_plastic_potential_and_double_shearing() {
-    const STATE_COUNT: u64 = 12;
+    confirm_plastic_potential_and_double_shearing(4);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn brute_force_confirms_many_states_of_plastic_potential_and_double_shearing() {
+    confirm_plastic_potential_and_double_shearing(12);
+}
+
+/// Confirms `states` states of each model.
+fn confirm_plastic_potential_and_double_shearing(states: u64) {
     let kinds = [
         (registry::PLASTIC_POTENTIAL, DilatancyKind::Associated, "order 1/2"),
         (registry::DOUBLE_SHEARING, DilatancyKind::Positive, "order 1/1"),
     ];
     let mut counts = BTreeMap::<String, usize>::new();
-    let found: Vec<(String, Option<String>)> = (0..2 * STATE_COUNT)
+    let found: Vec<(String, Option<String>)> = (0..2 * states)
         .into_par_iter()
         .map(|index| {
             let (kind, dilatancy, wanted) = kinds[index as usize % 2];

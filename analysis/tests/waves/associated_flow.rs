@@ -82,8 +82,8 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
             2 => YieldSet::from(Mises::new_drucker_prager(1.0, friction, friction)),
             _ => YieldSet::from(Mises {
                 antisymmetric_weight: random.uniform(0.0, 2.0),
-                symmetric_length: with_couple.then_some(1.0),
-                antisymmetric_length: with_couple.then_some(2.0),
+                symmetric_internal_length: with_couple.then_some(1.0),
+                antisymmetric_internal_length: with_couple.then_some(2.0),
                 ..Mises::new_von_mises(1.0)
             }),
         };

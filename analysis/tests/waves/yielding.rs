@@ -69,8 +69,8 @@ pub fn random_mises_condition(
 ) -> (Mises, Stress, ActiveCondition) {
     let set = Mises {
         antisymmetric_weight: random.uniform(0.2, 2.0),
-        symmetric_length: Some(0.8),
-        antisymmetric_length: Some(0.6),
+        symmetric_internal_length: Some(0.8),
+        antisymmetric_internal_length: Some(0.6),
         ..Mises::new_drucker_prager(1.0, friction, dilatancy)
     };
     let stress = random_stress_on_yield_surface(random, &YieldSet::from(set), false);

@@ -216,7 +216,7 @@ impl FaceQuantity {
     }
 
     /// Returns the kinds of joints whose faces have the quantity, for messages.
-    const fn kinds(self) -> &'static str {
+    const fn describe_joint_kinds(self) -> &'static str {
         match self {
             Self::Slip => {
                 "elastic-plastic, breaking, porous-plastic, or cracked with shear_friction"
@@ -384,6 +384,7 @@ fn check_face_quantity(
         true => format!("found '{name}', a quantity of joints, without joints"),
         false => format!("found '{name}' with joints of kind {}", join_with_commas(&kinds)),
     };
-    let allowed = format!("another picture, or a joint of kind {}", quantity.kinds());
+    let allowed =
+        format!("another picture, or a joint of kind {}", quantity.describe_joint_kinds());
     Err(section.key_error("picture", found, allowed))
 }

@@ -301,9 +301,9 @@ impl FlowEquations {
         &self.points.problem
     }
 
-    /// Returns the length of a state: modes of the vorticity, then of the internal variable, if any; then one number
-    /// with the works of the background flow (real part) and of the stress (imaginary part); then ω or ψ of the
-    /// background flow.
+    /// Returns the number of complex numbers in the state vector: the Fourier modes of the vorticity, then those of the
+    /// internal variable (spin ω or stress angle ψ), if any; then one number with the works of the background flow
+    /// (real part) and of the stress (imaginary part); then the internal variable of the background flow.
     pub(super) fn state_length(&self) -> usize {
         self.series.mode_count()
             * (1 + usize::from(self.problem().closure.internal_variable().is_some()))

@@ -129,7 +129,7 @@ impl FlowSolver {
         ];
         FlowSnapshot {
             steps: self.steps,
-            arrays: vec![
+            solver_arrays: vec![
                 numbers,
                 flat(&self.state),
                 flat(&self.equations.pressure),
@@ -140,7 +140,7 @@ impl FlowSolver {
 
     /// Restores a snapshot; `false` if it belongs to another problem.
     pub fn restore(&mut self, snapshot: &FlowSnapshot) -> bool {
-        let [numbers, state, pressure, direction] = snapshot.arrays.as_slice() else {
+        let [numbers, state, pressure, direction] = snapshot.solver_arrays.as_slice() else {
             return false;
         };
         let [time, step, error, rate, steps_since_estimate, estimate_time] = numbers.as_slice()

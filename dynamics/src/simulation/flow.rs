@@ -206,21 +206,23 @@ impl Simulation for FlowSimulation {
     }
 
     fn state(&self) -> SimulationState {
-        let FlowSnapshot { steps, arrays } = self.flow.snapshot();
+        let FlowSnapshot { steps, solver_arrays } = self.flow.snapshot();
         SimulationState {
             steps,
             time: self.flow.time(),
             initial_energy: self.initial_energy,
-            sections: number_sections("part", arrays.iter().map(|array| to_bytes(array))).collect(),
+            sections: number_sections("part", solver_arrays.iter().map(|array| to_bytes(array)))
+                .collect(),
         }
     }
 
     fn restore(&mut self, state: &SimulationState) -> bool {
-        let Some(arrays) = state.numbered_sections("part").map(from_bytes).collect::<Option<_>>()
+        let Some(solver_arrays) =
+            state.numbered_sections("part").map(from_bytes).collect::<Option<_>>()
         else {
             return false;
         };
-        let snapshot = FlowSnapshot { steps: state.steps, arrays };
+        let snapshot = FlowSnapshot { steps: state.steps, solver_arrays };
         self.initial_energy = state.initial_energy;
         (self.snapshot_before_step, self.has_new_record) = (None, false);
         self.flow.restore(&snapshot)

@@ -1,4 +1,5 @@
-//! Distribution of point sources over cells: kernels that preserve moments, folded at symmetry planes.
+//! Distribution of a point source over the cells around it: the shares of the cells have the same moments up to second
+//! order as the point, and are mirrored at symmetry planes of the grid.
 //!
 //! In the far field, shares wᵢ in cells at xᵢ act as Σ wᵢ G(xᵢ), a quadrature for the value of G at the point, with a
 //! function G that is smooth on one side of material interfaces: the moments of the shares determine the error. Along

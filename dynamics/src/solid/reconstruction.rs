@@ -189,8 +189,8 @@ impl Slopes {
                 let reconstruction =
                     Reconstruction::new(own, [lower_stencil, upper_stencil], cell, self);
                 (
-                    [carried_invariants.right, reconstruction.left_outflow()],
-                    reconstruction.carried_invariants(),
+                    [carried_invariants.right, reconstruction.left_going_outflow()],
+                    reconstruction.right_going_outflow(),
                 )
             }
         }
@@ -282,8 +282,8 @@ impl Slopes {
                 let reconstruction =
                     Reconstruction::from_mixed_media(states, cells, continuity, self);
                 (
-                    [carried_invariants.right, reconstruction.left_outflow()],
-                    reconstruction.carried_invariants(),
+                    [carried_invariants.right, reconstruction.left_going_outflow()],
+                    reconstruction.right_going_outflow(),
                 )
             }
         }
@@ -318,8 +318,8 @@ impl Slopes {
                 let differences = [lower_stencil.scale(here), upper_stencil.scale(after)];
                 let reconstruction = Reconstruction::new(own, differences, cell, self);
                 (
-                    [carried_invariants.right, reconstruction.left_outflow()],
-                    reconstruction.carried_invariants(),
+                    [carried_invariants.right, reconstruction.left_going_outflow()],
+                    reconstruction.right_going_outflow(),
                 )
             }
         }
@@ -347,7 +347,7 @@ impl Slopes {
                 let [behind, here, _] = stencil.continuity;
                 let differences =
                     [first.difference(before).scale(behind), before.difference(own).scale(here)];
-                Reconstruction::new(before, differences, cell, self).carried_invariants()
+                Reconstruction::new(before, differences, cell, self).right_going_outflow()
             }
         };
         let around = [self.lower_stencil(before, own), self.upper_stencil(own, next)];
@@ -368,7 +368,7 @@ impl Slopes {
             Self::FourthOrder => RiemannInvariants::from_state(states[0], cells[0]),
             Self::Godunov | Self::Limited => {
                 Reconstruction::from_mixed_media(states, cells, continuity, self)
-                    .carried_invariants()
+                    .right_going_outflow()
             }
         }
     }
@@ -453,14 +453,14 @@ impl<N: Number> Reconstruction<N> {
 
     /// Returns the time-averaged outflow of the left-going wave: its mean over the leftmost fraction C of the cell.
     #[inline(always)]
-    fn left_outflow(self) -> N {
+    fn left_going_outflow(self) -> N {
         self.mean.left - self.half_slope.left
     }
 
-    /// Returns the time-averaged outflow of the right-going wave, as carried invariants of the next face; the other
-    /// wave is zero.
+    /// Returns the time-averaged outflow of the right-going wave, which the sweep carries to the next face; the
+    /// left-going wave is zero.
     #[inline(always)]
-    fn carried_invariants(self) -> RiemannInvariants<N> {
+    fn right_going_outflow(self) -> RiemannInvariants<N> {
         RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }
     }
 }

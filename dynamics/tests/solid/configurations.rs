@@ -81,8 +81,8 @@ fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
             (_, true) => YieldSet::from(mises),
             _ => YieldSet::from(Mises {
                 antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
-                symmetric_length: (theory == Theory::Cosserat).then_some(0.9),
-                antisymmetric_length: (theory == Theory::Cosserat).then_some(0.7),
+                symmetric_internal_length: (theory == Theory::Cosserat).then_some(0.9),
+                antisymmetric_internal_length: (theory == Theory::Cosserat).then_some(0.7),
                 ..mises
             }),
         })

@@ -9,7 +9,7 @@ use models::yield_set::parameters::Mises;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wellposed_dynamics::SolverReal;
-use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
+use wellposed_dynamics::boundary::{Boundary, Load, Source};
 use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::ledger::Ledger;
@@ -19,7 +19,7 @@ use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Schem
 use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::InstructionSet;
 
-fn two_solids() -> [Isotropic; 2] {
+pub(crate) fn two_solids() -> [Isotropic; 2] {
     solids_in_theory(Theory::Cosserat)
 }
 
@@ -32,15 +32,17 @@ fn check_decompositions<T: SolverReal, const D: usize>(
     cells: [usize; D],
     plastic_step: PlasticStep,
 ) {
-    check_decompositions_of_solids::<T, D>(two_solids(), boundaries, cells, plastic_step);
+    let problem = random_problem_of_solids(two_solids(), boundaries, cells, plastic_step);
+    compare_decompositions::<T, D>(&problem, [11, 19]);
 }
 
-fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
+/// Returns a problem whose cells are of two media at random.
+fn random_problem_of_solids<const D: usize>(
     [soft, stiff]: [Isotropic; 2],
     boundaries: &[[Boundary; 2]; D],
     cells: [usize; D],
     plastic_step: PlasticStep,
-) {
+) -> Problem<D> {
     // Only the first medium yields.
     let set = Mises { antisymmetric_weight: 0.5, ..Mises::new_drucker_prager(0.3, 0.2, 0.2) };
     let media = [Medium::new(soft, D).with_yield_set(YieldSet::from(set)), Medium::new(stiff, D)];
@@ -50,8 +52,15 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
     let grid = Grid { cells, spacing: [0.1; D] };
     let step = 1.9 * 0.1 / speed;
     let scheme = Scheme::new(Slopes::Limited, plastic_step);
-    let problem = Problem::new(grid, media.to_vec(), cell_media, boundaries.clone(), step, scheme);
-    let mut whole: Domain<T, D> = Domain::new(&problem).expect("sound");
+    Problem::new(grid, media.to_vec(), cell_media, boundaries.clone(), step, scheme)
+}
+
+/// Compares decompositions, instruction sets and the reference solver with the undecomposed domain, from noise, after
+/// `steps` in two calls: halos of the first must not affect the second.
+fn compare_decompositions<T: SolverReal, const D: usize>(problem: &Problem<D>, steps: [usize; 2]) {
+    let (cells, count) = (problem.grid.cells, problem.grid.count());
+    let step_count = steps[0] + steps[1];
+    let mut whole: Domain<T, D> = Domain::new(problem).expect("sound");
     let values = |index: usize| -> Vec<T> {
         (0..count).map(|cell| T::from_f64(noise((10_000 * index + cell) as u64))).collect()
     };
@@ -59,14 +68,14 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
     for (index, &field) in fields.iter().enumerate() {
         whole.set_field(field, &values(index));
     }
-    for _ in 0..30 {
+    for _ in 0..step_count {
         whole.advance();
     }
-    let mut reference: Reference<T, D> = Reference::new(&problem).expect("sound");
+    let mut reference: Reference<T, D> = Reference::new(problem).expect("sound");
     for (index, &field) in fields.iter().enumerate() {
         reference.set_field(field, &values(index));
     }
-    reference.advance(30);
+    reference.advance(step_count);
     for &field in &fields {
         let (found, expected) = (reference.values(field), whole.values(field));
         assert!(to_bits(found) == to_bits(expected), "reference, {field:?}");
@@ -92,14 +101,14 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
         with_widest_set.chain(InstructionSet::available_sets().map(|set| (divided_axes, set)))
     {
         let mut decomposed: DecomposedDomain<T, D> =
-            DecomposedDomain::with_subdomains(0, &problem, subdomain_counts).expect("sound");
+            DecomposedDomain::with_subdomains(0, problem, subdomain_counts).expect("sound");
         decomposed.set_instructions(set);
         for (index, &field) in fields.iter().enumerate() {
             decomposed.set_field(field, &values(index));
         }
-        // In two calls: halos of the first must not affect the second.
-        decomposed.advance(11).expect("threads");
-        decomposed.advance(19).expect("threads");
+        for own in steps {
+            decomposed.advance(own).expect("threads");
+        }
         for &field in &fields {
             let (found, expected) = (decomposed.values(field), whole.values(field));
             assert!(
@@ -143,39 +152,57 @@ fn decompositions_equal_the_whole_domain_in_every_theory() {
     let boundaries = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
     for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
-            check_decompositions_of_solids::<f64, 3>(
-                solids_in_theory(theory),
-                &boundaries,
-                [9, 5, 12],
-                plastic_step,
-            );
+            let solids = solids_in_theory(theory);
+            let problem = random_problem_of_solids(solids, &boundaries, [9, 5, 12], plastic_step);
+            compare_decompositions::<f64, 3>(&problem, [11, 19]);
         }
     }
 }
 
 /// Verifies decomposition with layers wider than a tile, and with more layers than are processed at once in a
-/// subdomain.
+/// subdomain, over ten steps.
 #[test]
 fn decompositions_equal_the_whole_domain_in_wide_layers() {
+    check_wide_layers([4, 6]);
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn decompositions_equal_the_whole_domain_in_wide_layers_over_many_steps() {
+    check_wide_layers([11, 19]);
+}
+
+/// Compares decompositions after `steps`, in two calls.
+fn check_wide_layers(steps: [usize; 2]) {
+    fn compare<const D: usize>(
+        boundaries: &[[Boundary; 2]; D],
+        cells: [usize; D],
+        plastic_step: PlasticStep,
+        steps: [usize; 2],
+    ) {
+        let problem = random_problem_of_solids(two_solids(), boundaries, cells, plastic_step);
+        compare_decompositions::<f64, D>(&problem, steps);
+    }
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let boundaries = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
-    check_decompositions::<f64, 2>(&boundaries, [300, 27], PlasticStep::ReturnMapping);
+    compare(&boundaries, [300, 27], PlasticStep::ReturnMapping, steps);
     for middle in [Boundary::Periodic, Boundary::NonReflecting] {
         let boundaries = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
-        check_decompositions::<f64, 3>(&boundaries, [9, 19, 20], PlasticStep::ReturnMapping);
+        compare(&boundaries, [9, 19, 20], PlasticStep::ReturnMapping, steps);
     }
     // Boundary work at the ends of rows and layers that are processed in tiles.
     let open = pair(&Boundary::NonReflecting);
-    check_decompositions::<f64, 3>(
+    compare(
         &[open.clone(), open.clone(), open.clone()],
         [9, 25, 13],
         PlasticStep::ReturnMapping,
+        steps,
     );
     // All layers are processed in tiles of rows; the last tile has fewer rows than the distance by which a sweep trails
     // the previous one.
     for last in [Boundary::Periodic, Boundary::NonReflecting] {
         let boundaries = [open.clone(), pair(&Boundary::Free), pair(&last)];
-        check_decompositions::<f64, 3>(&boundaries, [66, 41, 12], PlasticStep::MidpointReflection);
+        compare(&boundaries, [66, 41, 12], PlasticStep::MidpointReflection, steps);
     }
 }
 
@@ -344,88 +371,6 @@ fn boundary_work_on_single_layers_equals_the_reference() {
             (inflows[0] - inflows[1]).abs() < 1e-13 * inflows[1].abs(),
             "{cells:?} {inflows:?}"
         );
-    }
-}
-
-/// Verifies that passes of several steps equal single steps, with time-dependent boundaries and sources, also in the
-/// records after each step.
-#[test]
-fn multi_step_passes_equal_single_steps() {
-    check_multi_step_passes([20, 33], [640, 3, 337, 330, 3]);
-    // In three dimensions a pass makes one step, in tiles of rows.
-    check_multi_step_passes([66, 50, 17], [56_099, 3, 5_000, 2_700, 3]);
-}
-
-fn check_multi_step_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
-    let medium = Medium::new(two_solids()[0], D);
-    let set = YieldSet::from(Mises::new_von_mises(0.2));
-    let medium = medium.with_yield_set(set);
-    let step = 1.9 * 0.1 / medium.max_speed();
-    for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
-        let grid = Grid { cells, spacing: [0.1; D] };
-        let mut boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-        boundaries[D - 1] = [last.clone(), last];
-        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-        let mut problem = Problem::new(
-            grid,
-            vec![medium.clone()],
-            vec![0; grid.count()],
-            boundaries,
-            step,
-            scheme,
-        );
-        let signal: Signal = Arc::new(move |time: f64| 0.3 * (2.0 * time / step).sin());
-        let faces = (5..20).map(|face| (face, 0.7)).collect();
-        problem.loads.push(Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() });
-        problem.sources.push(Source {
-            cells: vec![(4, 0.5), (337, 0.5)],
-            amplitudes: vec![(SolidField::Velocity(1), 0.1), (SolidField::Stress(0, 0), 0.2)],
-            signal,
-        });
-        problem.integrated_fields = vec![SolidField::Velocity(0)];
-        let mut whole: Domain<f64, D> = Domain::new(&problem).expect("sound");
-        let mut expected = Vec::new();
-        for _ in 0..21 {
-            whole.advance();
-            watched.iter().for_each(|&cell| whole.output_cell(cell, &mut expected));
-        }
-        assert!(whole.ledger().plastic_dissipation > 0.0);
-        let mut reference: Reference<f64, D> = Reference::new(&problem).expect("sound");
-        reference.watch_cells(&watched);
-        reference.advance(21);
-        assert_eq!(reference.take_records(), expected);
-        let mut snapshots = None;
-        let along = |first: usize, last: usize| -> [usize; D] {
-            std::array::from_fn(|axis| match axis {
-                0 => first,
-                _ if axis + 1 == D => last,
-                _ => 1,
-            })
-        };
-        for subdomain_counts in
-            [along(1, 1), along(1, 2), along(1, 3), along(1, 4), along(3, 1), along(2, 2)]
-        {
-            let mut decomposed: DecomposedDomain<f64, D> =
-                DecomposedDomain::with_subdomains(0, &problem, subdomain_counts).expect("sound");
-            decomposed.watch_cells(&watched);
-            decomposed.advance(3).expect("threads");
-            decomposed.advance(18).expect("threads");
-            assert_eq!(decomposed.take_records(), expected, "{subdomain_counts:?}");
-            let snapshot = decomposed.snapshot();
-            for (&field, found) in whole.fields().iter().zip(&snapshot.fields) {
-                assert_eq!(
-                    *found,
-                    whole.values(field).expect("one"),
-                    "{subdomain_counts:?} {field:?}"
-                );
-            }
-            assert_eq!(decomposed.ledger(), whole.ledger());
-            assert_eq!(
-                *snapshots.get_or_insert(snapshot.clone()),
-                snapshot,
-                "{subdomain_counts:?}"
-            );
-        }
     }
 }
 

@@ -14,6 +14,7 @@ mod interlayers;
 mod ledger;
 mod line;
 mod metric;
+mod passes;
 mod plane_waves;
 mod plastic;
 mod plastic_fronts;

@@ -17,8 +17,8 @@ use wellposed_dynamics::reference::Reference;
 fn mises_cone(strength: f64, friction: f64) -> Mises {
     Mises {
         antisymmetric_weight: 0.8,
-        symmetric_length: Some(0.9),
-        antisymmetric_length: Some(0.7),
+        symmetric_internal_length: Some(0.9),
+        antisymmetric_internal_length: Some(0.7),
         ..Mises::new_drucker_prager(strength, friction, friction)
     }
 }

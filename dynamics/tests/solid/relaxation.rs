@@ -328,6 +328,7 @@ fn mixed_problem<const D: usize>(cells: [usize; D], theory: Theory, scheme: Sche
 }
 
 /// Verifies that energy never grows from random states with viscous strains, for steps far shorter and longer than τ.
+/// In one subdomain: every call would start the threads of several, which change no bit.
 #[test]
 fn energy_never_grows() {
     for splitting in SPLITTINGS {
@@ -338,7 +339,7 @@ fn energy_never_grows() {
                 let step = problem.step;
                 problem.media[1] = relaxing_medium(theory, factor * step, 2);
                 let mut domain: DecomposedDomain<f64, 2> =
-                    DecomposedDomain::new(&problem, 2).expect("sound");
+                    DecomposedDomain::new(&problem, 1).expect("sound");
                 fill_with_noise(&mut domain, 1.0);
                 let mut last = domain.energy().total();
                 let start = last;

@@ -40,8 +40,8 @@ fn random_medium<const D: usize>(
         1 => YieldSet::from(cone),
         2 => YieldSet::from(Mises {
             antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
-            symmetric_length: is_cosserat.then_some(0.9),
-            antisymmetric_length: is_cosserat.then_some(0.7),
+            symmetric_internal_length: is_cosserat.then_some(0.9),
+            antisymmetric_internal_length: is_cosserat.then_some(0.7),
             ..cone
         }),
         _ => YieldSet::from(InterlayerYieldSet {

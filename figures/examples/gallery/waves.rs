@@ -156,8 +156,8 @@ pub fn build_sphere_figure(has_growth: bool) -> SphereFigure {
         title: if has_growth { "Flutter over all wave normals" } else { "Loss of hyperbolicity" }
             .to_owned(),
         subtitle: "Cosserat solid, ρ = 2700 kg/m³, h = 0.08 μ, φ = 35°, ν = 5°".to_owned(),
-        polar_deg: polar,
-        azimuth_deg: azimuth,
+        polar_angles_deg: polar,
+        azimuth_angles_deg: azimuth,
         values,
         value_label: label.to_owned(),
         is_value_log: false,

@@ -123,7 +123,7 @@ impl FieldFigure {
         if overlay.has_borders {
             draw_borders(&mut picture, self.material_borders(&raster).unwrap_or_default());
         }
-        self.draw_line_sets(&mut picture, layout.frame, &scale, overlay.line_widths);
+        self.draw_line_sets(&mut picture, layout.frame, scale, overlay.line_widths);
         if let Some(arrows) = overlay.arrow_scale {
             self.draw_arrows(&mut picture, &layout, arrows);
         }

@@ -19,7 +19,7 @@ impl VerdictMap {
     ) {
         let left = frame.right + BAR_GAP;
         let mut bar = Rectangle { left, right: left + BAR_WIDTH, ..frame };
-        if range.has_infinite {
+        if range.has_infinite_levels {
             let cap = Rectangle { bottom: bar.top + 34.0, ..bar };
             picture.fill_rectangle(cap, INFINITE_LEVEL_COLOUR);
             picture.draw_frame(cap, FRAME_LINE_WIDTH, INK);

@@ -14,7 +14,7 @@ pub(super) struct LevelRange {
     /// Whether some finite levels are below `low`, and whether some are above `high`.
     pub(super) has_clipped_levels: [bool; 2],
     /// Whether at least one level is infinite.
-    pub(super) has_infinite: bool,
+    pub(super) has_infinite_levels: bool,
 }
 
 impl LevelRange {
@@ -22,22 +22,22 @@ impl LevelRange {
     /// outermost 1 % of the levels at an end, e.g. near a singular line, are excluded if they extend it by more than
     /// the length of the remaining range, at least 0.3 decades.
     pub(super) fn from_levels(levels: impl Iterator<Item = f64>) -> Option<Self> {
-        let mut has_infinite = false;
+        let mut has_infinite_levels = false;
         let mut logs: Vec<f64> = Vec::new();
         for level in levels.filter(|level| *level > 0.0) {
             if level.is_finite() {
                 logs.push(level.log10());
             } else {
-                has_infinite = true;
+                has_infinite_levels = true;
             }
         }
         logs.sort_by(f64::total_cmp);
         let (Some(&min_log), Some(&max_log)) = (logs.first(), logs.last()) else {
-            return has_infinite.then_some(Self {
+            return has_infinite_levels.then_some(Self {
                 low: 0.0,
                 high: 1.0,
                 has_clipped_levels: [false; 2],
-                has_infinite,
+                has_infinite_levels,
             });
         };
         let outlier_count = logs.len() / 100;
@@ -49,7 +49,7 @@ impl LevelRange {
         let has_clipped_levels = [low > min_log, high < max_log];
         // Equal levels are extended to one decade, so that the bar has ticks.
         let (low, high) = if high - low < 1e-6 { (low - 0.5, high + 0.5) } else { (low, high) };
-        Some(Self { low, high, has_clipped_levels, has_infinite })
+        Some(Self { low, high, has_clipped_levels, has_infinite_levels })
     }
 
     pub(super) fn fraction(&self, level: f64) -> f64 {

@@ -11,8 +11,8 @@ mod encoding;
 mod error;
 mod grid;
 mod image_data;
-mod line_data;
 mod number;
+mod poly_data;
 mod reader;
 #[cfg(test)]
 mod tests;
@@ -22,6 +22,6 @@ pub use encoding::Storage;
 pub use error::VtiError;
 pub use grid::ImageGrid;
 pub use image_data::ImageData;
-pub use line_data::{LineData, POINTS_ARRAY};
 pub use number::VtkNumber;
+pub use poly_data::{POINTS_ARRAY, PolyData};
 pub use reader::{read_plain_time, read_plain_values};

@@ -7,7 +7,7 @@ use super::encoding::{BLOCK_LENGTH, Storage, encode_compressed, encode_plain};
 use super::error::VtiError;
 use super::grid::ImageGrid;
 use super::image_data::ImageData;
-use super::line_data::{LineData, POINTS_ARRAY};
+use super::poly_data::{POINTS_ARRAY, PolyData};
 use super::reader::{read_plain_time, read_plain_values};
 
 fn plane_grid() -> ImageGrid {
@@ -227,7 +227,7 @@ fn lines_are_read_back() {
     let lines = [[[0.0, -0.5], [0.0, 0.5]], [[0.0, 0.5], [1.0, 0.5]], [[1.0, 0.5], [1.0, 2.0]]];
     let slip = [0.0, 1e-6, f64::NAN];
     let data = |storage| {
-        let mut data = LineData::new(&lines, storage).unwrap();
+        let mut data = PolyData::new(&lines, storage).unwrap();
         data.set_time(0.125).unwrap();
         data.add_array("slip <1> [m]", &slip).unwrap();
         data.add_array("joint", &[0, 1, -2]).unwrap();
@@ -273,8 +273,8 @@ fn lines_are_read_back() {
 #[test]
 fn invalid_lines_are_refused() {
     let odd = [[[0.0, f64::INFINITY], [0.0, 0.5]]];
-    assert_eq!(LineData::new(&odd, Storage::Plain).err(), Some(VtiError::Point(f64::INFINITY)));
-    let mut data = LineData::new(&[[[0.0; 2], [1.0; 2]]], Storage::Plain).unwrap();
+    assert_eq!(PolyData::new(&odd, Storage::Plain).err(), Some(VtiError::Point(f64::INFINITY)));
+    let mut data = PolyData::new(&[[[0.0; 2], [1.0; 2]]], Storage::Plain).unwrap();
     let length = VtiError::Length { name: "a".to_owned(), found: 2, expected: 1 };
     assert_eq!(data.add_array("a", &[1.0, 2.0]), Err(length));
     data.add_array("a", &[1.0]).unwrap();
@@ -284,6 +284,6 @@ fn invalid_lines_are_refused() {
     }
     assert!(data.set_time(f64::NAN).is_err() && data.add_array("", &[1.0]).is_err());
     // Without lines the file is valid and empty.
-    let empty = LineData::new(&[], Storage::Plain).unwrap().to_bytes();
+    let empty = PolyData::new(&[], Storage::Plain).unwrap().to_bytes();
     assert_eq!(read_plain_values(&empty, POINTS_ARRAY), Some(Vec::new()));
 }

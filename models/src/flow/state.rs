@@ -152,13 +152,17 @@ pub struct MaterialState {
     pub inertia_rate: f64,
     /// Gradient of the moment of inertia, m.
     pub inertia_gradient: [f64; 2],
-    /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; checked when given.
+    /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s. Redundant: if given, it must agree with the gradient that
+    /// follows from the other fields.
     pub velocity_gradient: Option<[[f64; 2]; 2]>,
-    /// Material acceleration minus body force, DV/Dt − F, m/s²; checked when given.
+    /// Material acceleration minus body force, DV/Dt − F, m/s². Redundant: if given, it must satisfy the balance of
+    /// momentum.
     pub acceleration: Option<[f64; 2]>,
-    /// Body moment per unit mass G, m²/s²; checked when given (models with a balance of spin only).
+    /// Body moment per unit mass G, m²/s². Redundant: if given, it must satisfy the balance of spin; only in models
+    /// with that balance.
     pub body_moment: Option<f64>,
-    /// Material rate of the stress angle, rad/s; checked when given (double shearing only).
+    /// Material rate of the stress angle, rad/s. Redundant: if given, it must satisfy the flow rule; only in double
+    /// shearing.
     pub stress_angle_rate: Option<f64>,
 }
 

@@ -15,7 +15,7 @@ use super::elastic::ElasticMaterial;
 use super::parameters::{LayerMaterial, PlasticConstants, TangentialConstants, ViscousConstants};
 use crate::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet};
 
-/// Limit of the couple stress on the faces of blocks: the friction of rolling κ_μ, m.
+/// Limit of the couple stress on the faces of blocks: the coefficient of rolling friction κ_μ, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OpeningLimit {
     /// The face opens at an edge, κ_μ = h/6.
@@ -26,7 +26,7 @@ pub enum OpeningLimit {
 }
 
 impl OpeningLimit {
-    /// Friction of rolling κ_μ, m, of blocks with sides of length h = `period`, m.
+    /// Returns the coefficient of rolling friction κ_μ, m, of blocks with sides of length h = `period`, m.
     pub fn couple_friction(self, period: f64) -> f64 {
         match self {
             Self::FirstOpening => period / 6.0,

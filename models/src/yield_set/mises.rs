@@ -80,15 +80,15 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
             } else {
                 (to_constant_array(given)?, [0.0; 2])
             };
-        let [symmetric_length, antisymmetric_length] =
+        let [symmetric_internal_length, antisymmetric_internal_length] =
             lengths.map(|length| (length != 0.0).then_some(length));
         build_checked(Mises {
             strength,
             friction,
             dilatancy,
             antisymmetric_weight,
-            symmetric_length,
-            antisymmetric_length,
+            symmetric_internal_length,
+            antisymmetric_internal_length,
             hardening,
         })
     },

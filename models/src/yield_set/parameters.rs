@@ -94,9 +94,9 @@ pub struct Mises {
     /// Weight h of the antisymmetric stress; ≥ 0.
     pub antisymmetric_weight: f64,
     /// Internal length ℓ_s of the symmetric couple stress, m; > 0, `None` for no limit.
-    pub symmetric_length: Option<f64>,
+    pub symmetric_internal_length: Option<f64>,
     /// Internal length ℓ_a of the antisymmetric couple stress, m; > 0, `None` for no limit.
-    pub antisymmetric_length: Option<f64>,
+    pub antisymmetric_internal_length: Option<f64>,
     /// Plastic modulus H, Pa: decrease of f per plastic multiplier at constant stress; 0 for ideal plasticity, negative
     /// while softening.
     pub hardening: f64,
@@ -200,8 +200,8 @@ impl Mises {
             friction: 0.0,
             dilatancy: 0.0,
             antisymmetric_weight: 0.0,
-            symmetric_length: None,
-            antisymmetric_length: None,
+            symmetric_internal_length: None,
+            antisymmetric_internal_length: None,
             hardening: 0.0,
         }
     }
@@ -225,10 +225,10 @@ impl Mises {
         let positive = |key: &'static str, value: f64, allowed: &str| {
             ensure(AllowedRange::Positive.contains(value), key, value, allowed)
         };
-        if let Some(length) = self.symmetric_length {
+        if let Some(length) = self.symmetric_internal_length {
             positive(SYMMETRIC_LENGTH.name, length, "the length must be ℓ_s > 0, in m")?;
         }
-        if let Some(length) = self.antisymmetric_length {
+        if let Some(length) = self.antisymmetric_internal_length {
             positive(ANTISYMMETRIC_LENGTH.name, length, "the length must be ℓ_a > 0, in m")?;
         }
         HARDENING.check(self.hardening, FINITE_REQUIRED)?;
@@ -237,7 +237,7 @@ impl Mises {
 
     /// Weights 1/ℓ_s² and 1/ℓ_a² of the couple stresses mˢ and mᵃ in τ̄², 1/m²; 0 for no limit.
     pub(super) fn couple_weights(&self) -> [f64; 2] {
-        [self.symmetric_length, self.antisymmetric_length]
+        [self.symmetric_internal_length, self.antisymmetric_internal_length]
             .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)))
     }
 

@@ -136,7 +136,8 @@ const IMPEDANCE: f64 = 1.5;
 /// Stack of blocks of [`CELLS_PER_BLOCK`] cells at Courant number 1 with Δt = 1, cracked layers between blocks, a
 /// pressure pulse at the lower end and a free upper end.
 struct BlockStack {
-    /// Invariants zv − σ and zv + σ of the cells.
+    /// Riemann invariants of the cells, Pa: zv − σ (towards the upper end) and zv + σ (towards the lower end), with the
+    /// impedance z, the velocity v and the normal stress σ.
     cells: Vec<[f64; 2]>,
     law: LayerLaw<f64>,
     joints: Vec<History>,

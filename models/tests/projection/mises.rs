@@ -51,8 +51,8 @@ pub fn eigenspace_stiffnesses(solid: &Isotropic) -> [f64; 5] {
 
 pub fn eigenspace_weights(set: &Mises) -> [f64; 5] {
     let inverse_square = |l: Option<f64>| l.map_or(0.0, |l| l.powi(-2));
-    let symmetric = inverse_square(set.symmetric_length);
-    let antisymmetric = inverse_square(set.antisymmetric_length);
+    let symmetric = inverse_square(set.symmetric_internal_length);
+    let antisymmetric = inverse_square(set.antisymmetric_internal_length);
     [1.0, set.antisymmetric_weight, symmetric, symmetric, antisymmetric]
 }
 
@@ -200,7 +200,7 @@ pub fn random_stress(random: &mut RandomNumbers, set: &Mises, solid: &Isotropic)
     };
     let d = eigenspace_stiffnesses(solid);
     let rotating = f64::from(u8::from(d[1] > 0.0));
-    let length = set.symmetric_length.or(set.antisymmetric_length).unwrap_or(1.0);
+    let length = set.symmetric_internal_length.or(set.antisymmetric_internal_length).unwrap_or(1.0);
     let with_couple = f64::from(u8::from(d[2] > 0.0));
     Stress {
         force: tensor(rotating, set.strength),
@@ -294,9 +294,9 @@ pub fn random_mises_set(random: &mut RandomNumbers, cone: bool, micropolar: bool
     }
     if micropolar {
         set.antisymmetric_weight = draw_log_uniform(random, -2.0, 1.0);
-        set.symmetric_length =
+        set.symmetric_internal_length =
             (random.uniform_index(4) > 0).then(|| draw_log_uniform(random, -3.0, 0.0));
-        set.antisymmetric_length =
+        set.antisymmetric_internal_length =
             (random.uniform_index(4) > 0).then(|| draw_log_uniform(random, -3.0, 0.0));
     }
     set

@@ -10,8 +10,8 @@ pub fn random_mises(random: &mut RandomNumbers) -> Mises {
         friction,
         dilatancy: friction * random.uniform(0.2, 0.9),
         antisymmetric_weight: random.uniform(0.3, 3.0),
-        symmetric_length: Some(random.uniform(0.5, 2.0)),
-        antisymmetric_length: Some(random.uniform(0.5, 2.0)),
+        symmetric_internal_length: Some(random.uniform(0.5, 2.0)),
+        antisymmetric_internal_length: Some(random.uniform(0.5, 2.0)),
         ..Mises::new_von_mises(random.uniform(0.5, 2.0))
     }
     .check()

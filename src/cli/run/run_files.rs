@@ -13,7 +13,7 @@ use crate::study::simulate::{
 use dynamics::simulation::SimulationState;
 use files::lock::Lock;
 use files::table_appender::{Appender, InterruptedTable};
-use files::vti::{ImageData, LineData, format_collection};
+use files::vti::{ImageData, PolyData, format_collection};
 use files::{FileDigest, read_regular_file};
 use std::io::Write as _;
 
@@ -142,12 +142,12 @@ impl<'a> RunFiles<'a> {
     pub(super) fn write_snapshot(
         &mut self,
         image: &ImageData,
-        joints: Option<&LineData>,
+        joints: Option<&PolyData>,
         list: &[(f64, Vec<String>)],
     ) -> Result<(), CommandError> {
         let Some(run) = &mut self.run_folder else { return Ok(()) };
         if let Some((_, names)) = list.last() {
-            let files = std::iter::once(image.to_bytes()).chain(joints.map(LineData::to_bytes));
+            let files = std::iter::once(image.to_bytes()).chain(joints.map(PolyData::to_bytes));
             for (name, bytes) in names.iter().zip(files) {
                 self.snapshot_digests.push(run.write_result(name, &bytes)?);
             }

@@ -16,7 +16,7 @@ impl FlowAnalysis {
     /// Returns the models shown in pictures and tables: the compared models, or the model of the case if none is
     /// compared.
     pub(super) fn select_plotted_models(&self) -> &[FlowModelAnalysis] {
-        match self.compared_models.as_slice() {
+        match self.compared_analyses.as_slice() {
             [] => std::slice::from_ref(&self.analysis),
             compared => compared,
         }
@@ -49,7 +49,7 @@ pub(super) fn format_text(case: &Case, found: &FlowAnalysis) -> String {
             );
         }
     }
-    for other in found.compared_models.iter().filter(|other| other.kind != own.kind) {
+    for other in found.compared_analyses.iter().filter(|other| other.kind != own.kind) {
         let _ = write!(text, "\nCompared: {}\n", other.kind.title());
         if let Some(delta) = other.replaced_noncoaxiality_deg {
             let _ = writeln!(text, "  {}", format_coaxial_note(delta));

@@ -194,8 +194,8 @@ fn locate_between(nodes: &[usize], cell: usize) -> (usize, f64) {
 mod tests {
     use super::*;
 
-    /// Magnitude at a point, in cells; linear.
-    fn linear(x: f64, y: f64) -> f64 {
+    /// Linear function of the position, in cells, as flux magnitude.
+    fn linear_magnitude(x: f64, y: f64) -> f64 {
         3.0 + 0.5 * x + 0.25 * y
     }
 
@@ -212,7 +212,7 @@ mod tests {
             .iter()
             .flat_map(|(row, columns)| columns.iter().map(|column| [*column, *row]))
             .map(|[i, j]| {
-                let size = linear(i as f64, j as f64);
+                let size = linear_magnitude(i as f64, j as f64);
                 ([i, j], [0.6 * size, -0.8 * size])
             })
             .collect();
@@ -222,12 +222,12 @@ mod tests {
         for j in 2..10 {
             // From the largest first to the smallest last junction of two neighbouring rows.
             for i in 2..13 {
-                let expected = linear(i as f64 + 0.5, j as f64 + 0.5);
+                let expected = linear_magnitude(i as f64 + 0.5, j as f64 + 0.5);
                 assert!((values[16 * j + i] - expected).abs() < 1e-12, "{i} {j}");
             }
         }
         // Below the first row, and to the right of its last junction.
-        assert!((values[15] - linear(14.0, 2.0)).abs() < 1e-12);
+        assert!((values[15] - linear_magnitude(14.0, 2.0)).abs() < 1e-12);
     }
 
     #[test]

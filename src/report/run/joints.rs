@@ -6,7 +6,7 @@ use crate::study::simulate::{FaceRecord, JOINT_QUANTITIES, JointFace};
 use figures::{FieldLine, FieldLineSet, FieldLineStyle};
 use files::csv::{CsvCell, format_table};
 use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_arrays};
-use files::vti::{LineData, POINTS_ARRAY, Storage};
+use files::vti::{POINTS_ARRAY, PolyData, Storage};
 
 /// Column of a table of joints: name, unit, and value by face.
 type FaceColumn = (&'static str, &'static str, fn(&JointFace) -> f64);
@@ -66,9 +66,9 @@ pub(super) fn encode_npz(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// A coordinate or the time is not finite.
-pub fn create_joint_lines(faces: &[JointFace], time: f64) -> Result<LineData, Error> {
+pub fn create_joint_lines(faces: &[JointFace], time: f64) -> Result<PolyData, Error> {
     let ends: Vec<[[f64; 2]; 2]> = faces.iter().map(JointFace::ends).collect();
-    let mut lines = LineData::new(&ends, Storage::Plain)?;
+    let mut lines = PolyData::new(&ends, Storage::Plain)?;
     lines.set_time(time)?;
     let integers = |value: fn(&JointFace) -> usize| -> Vec<i32> {
         faces.iter().map(|face| value(face) as i32).collect()
@@ -194,7 +194,7 @@ impl JointLineScale {
         own
     }
 
-    /// Returns the larger values of two scales, which fit the lines of both.
+    /// Returns the scale for the joint lines of both: the larger of each pair of limits.
     #[must_use]
     pub(super) fn max(self, other: Self) -> Self {
         Self {

@@ -151,7 +151,7 @@ pub(super) fn check_flow(
         }
     }
     let shear_rate = problem.flow.shear_rate;
-    let curves = compute_curves(&problem, waves, &results, shear_rate)
+    let curves = compute_rate_curves(&problem, waves, &results, shear_rate)
         .map_err(|error| locate_agreement_error(&case.material, error))?;
     let row = |result: &ModeResult| ModeCheck::new(waves[result.wave_index], result, shear_rate);
     Ok(FlowCheck {
@@ -164,7 +164,7 @@ pub(super) fn check_flow(
 
 /// Computes curves of the rate predicted at the initial wave vector, from half the smallest to twice the largest wave
 /// number of the waves, and collects the measured rates as points.
-fn compute_curves(
+fn compute_rate_curves(
     problem: &UniformFlow,
     waves: &[FlowWave],
     results: &[ModeResult],

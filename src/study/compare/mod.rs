@@ -60,7 +60,8 @@ pub struct ComparedRun {
     /// Cells of the grid along each axis.
     pub cells: Vec<usize>,
     /// Checksum of the case without plot options, as in `program.json`.
-    pub case: String,
+    #[serde(rename = "case")]
+    pub case_checksum: String,
 }
 
 /// Areas over which fields are averaged.
@@ -197,7 +198,7 @@ impl<'a> Comparison<'a> {
             model: cases[index].material.kind.name(),
             blocks: runs[index].blocks.as_ref().map(|blocks| blocks.blocks.len()),
             cells: runs[index].grid.cells.clone(),
-            case: format!(
+            case_checksum: format!(
                 "{:08x}",
                 files::checksum(cases[index].without_plot_options().to_toml().as_bytes())
             ),

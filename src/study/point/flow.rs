@@ -25,7 +25,7 @@ pub struct FlowAnalysis {
     pub analysis: FlowModelAnalysis,
     /// Analyses in the models that `[compare]` names.
     #[serde(rename = "compare", skip_serializing_if = "Vec::is_empty")]
-    pub compared_models: Vec<FlowModelAnalysis>,
+    pub compared_analyses: Vec<FlowModelAnalysis>,
 }
 
 /// Analysis of the state of a case in one model.
@@ -146,7 +146,7 @@ pub fn analyse_flow(case: &Case, on_progress: ProgressCallback) -> Result<FlowAn
     add_growth_curves(case, &mut case_model, &mut compared, &mut report_model_step)?;
     Ok(FlowAnalysis {
         analysis: case_model.analysis,
-        compared_models: compared.into_iter().map(|other| other.analysis).collect(),
+        compared_analyses: compared.into_iter().map(|other| other.analysis).collect(),
     })
 }
 

@@ -72,7 +72,7 @@ const NUMBERS_PER_JOINT_FACE: f64 = 16.0;
 /// Memory of a face of a joint in multiples of its output, by measurement, without and with snapshots: history
 /// variables, their copies for checkpoints, lists of faces, and copies of the output while files and pictures are
 /// created.
-const JOINT_COPIES: [f64; 2] = [4.0, 7.4];
+const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 /// Simulation of a solid, with its case and the media of its regions or blocks.
 pub(super) struct SolidJob<'a> {
@@ -288,14 +288,16 @@ impl SimulationJob for SolidJob<'_> {
     }
 
     fn find_warnings(&self) -> Result<Vec<SimulationWarning>, Error> {
-        const MIN_STEPS: f64 = 4.0;
+        const MIN_STEPS_PER_TIME_SCALE: f64 = 4.0;
         let step = compute_time_steps(self.solid_run, &self.media)?.step;
         let loads =
             self.solid_run.loads.iter().map(|load| ("load", &load.time_function)).enumerate();
         let sources =
             self.solid_run.sources.iter().map(|own| ("source", &own.time_function)).enumerate();
         let warning = |(index, (name, time)): (usize, (&str, &TimeFunction))| {
-            let shortest = time.shortest_time_scale().filter(|time| *time < MIN_STEPS * step)?;
+            let shortest = time
+                .shortest_time_scale()
+                .filter(|time| *time < MIN_STEPS_PER_TIME_SCALE * step)?;
             let entry = format!("{name}[{index}]");
             Some(SimulationWarning::FewSteps {
                 entry_key: entry,

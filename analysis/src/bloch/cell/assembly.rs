@@ -267,12 +267,22 @@ impl HermitianFamily {
         [own, cross]: [f64; 2],
     ) {
         for side in 0..2 {
-            add_product(&mut self.constant, [starts[side]; 2], [&polynomial_values[side]; 2], own);
+            add_outer_product(
+                &mut self.constant,
+                [starts[side]; 2],
+                [&polynomial_values[side]; 2],
+                own,
+            );
         }
         if shift == [0, 0] {
             let both = [&polynomial_values[0], &polynomial_values[1]];
-            add_product(&mut self.constant, starts, both, cross);
-            add_product(&mut self.constant, [starts[1], starts[0]], [both[1], both[0]], cross);
+            add_outer_product(&mut self.constant, starts, both, cross);
+            add_outer_product(
+                &mut self.constant,
+                [starts[1], starts[0]],
+                [both[1], both[0]],
+                cross,
+            );
             return;
         }
         let found = self.shifted_terms.iter().position(|(other, _)| *other == shift);
@@ -281,7 +291,7 @@ impl HermitianFamily {
             self.shifted_terms.push((shift, DMatrix::zeros(size, size)));
             self.shifted_terms.len() - 1
         });
-        add_product(
+        add_outer_product(
             &mut self.shifted_terms[term_index].1,
             starts,
             [&polynomial_values[0], &polynomial_values[1]],
@@ -309,7 +319,9 @@ impl HermitianFamily {
     }
 }
 
-fn add_product(
+/// Adds `factor` times the outer product of the vectors `left` and `right` to a matrix, from entry (`row`, `column`)
+/// on.
+fn add_outer_product(
     matrix: &mut DMatrix<f64>,
     [row, column]: [usize; 2],
     [left, right]: [&Vec<f64>; 2],

@@ -159,14 +159,16 @@ pub struct Chain {
     time_step: Option<f64>,
 }
 
-/// Factor of the transfer matrix, in units of the impedance of long waves Z = √(mass/compliance) of a period.
+/// Factor of the transfer matrix of a period. Impedances are divided by that of long waves, Z = √(mass/compliance) with
+/// the mass per area and the compliance under slow loads of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TransferFactor {
-    /// Travel time ℓ/c, s, and impedance z/Z.
+    /// Block: travel time ℓ/c, s, and relative impedance z/Z.
     Block { time: f64, impedance: f64 },
-    /// Mass m/Z, s.
+    /// Mass m without compliance: m/Z, s.
     Mass(f64),
-    /// Mass m/Z, s, and compliances C₀Z, C₁Z, s, with the retardation time, s.
+    /// Layer by the box scheme: mass m/Z, s, instantaneous compliance C₀Z, s, and delayed compliance C₁Z, s, with its
+    /// retardation time τ, s.
     Box { mass: f64, elastic: f64, delayed: f64, time: f64 },
 }
 

@@ -33,16 +33,16 @@ pub(crate) struct FacePattern {
 }
 
 impl FacePattern {
-    /// Adds an interlayer with a law in some lanes.
-    fn add(&mut self, law: u16, lanes: u16, has_history: bool) {
+    /// Adds interlayers with the law `law_index` in the lanes of a mask.
+    fn add(&mut self, law_index: u16, lanes: u16, has_history: bool) {
         self.interlayer_lanes |= lanes;
         if !has_history {
             return;
         }
         self.history_lanes |= lanes;
-        match self.laws.iter_mut().find(|own| own.0 == law) {
+        match self.laws.iter_mut().find(|own| own.0 == law_index) {
             Some(own) => own.1 |= lanes,
-            None => self.laws.push((law, lanes)),
+            None => self.laws.push((law_index, lanes)),
         }
     }
 
@@ -103,7 +103,7 @@ pub(super) struct LaneInterlayers<T: Real, const D: usize> {
 pub(crate) struct PathFaces<'a, T: Real> {
     pub(crate) laws: &'a [InterlayerLaw<T>],
     /// Number of history variables of a face.
-    pub(crate) variables: usize,
+    pub(crate) variable_count: usize,
     pub(crate) patterns: &'a [FacePattern],
     /// Indices of the patterns of the lower faces of the groups of the path, first line first.
     pub(crate) pattern_indices: &'a [u32],
@@ -117,8 +117,8 @@ pub(crate) struct PathFaces<'a, T: Real> {
     pub(crate) cells_per_stencil: usize,
     /// By group of the path, offset of the history variables of its lower face.
     pub(crate) history_offsets: &'a [usize],
-    /// Index of the history variables of the first line.
-    pub(crate) first_history: usize,
+    /// Index of the first history variable of the first line.
+    pub(crate) first_history_index: usize,
     /// Distance between the history variables of two lines.
     pub(crate) history_stride: usize,
 }
@@ -325,7 +325,7 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
             [places.start, places.end].map(|place| (place + GHOSTS as isize) as usize);
         Some(PathFaces {
             laws: &own.laws,
-            variables: own.variables,
+            variable_count: own.variables,
             patterns: &own.patterns,
             pattern_indices: &own.pattern_indices[line * own.pattern_stride + start..],
             pattern_stride: own.pattern_stride,
@@ -333,7 +333,7 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
             stencils: &own.stencils,
             cells_per_stencil: own.cells_per_stencil,
             history_offsets: &own.history_offsets[start..end],
-            first_history: own.history_start + line * own.history_stride,
+            first_history_index: own.history_start + line * own.history_stride,
             history_stride: own.history_stride,
         })
     }

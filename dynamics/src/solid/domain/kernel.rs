@@ -19,7 +19,7 @@ use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, InterlayerStencil, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
-use interlayers::{LawStates, PathInterlayers};
+use interlayers::{InterlayerFaceStates, PathInterlayers};
 use std::ops::Range;
 
 /// Maximum number of fields prefetched per pair of waves: a Cosserat solid has 24 fields and 6 pairs in space, 12
@@ -139,7 +139,7 @@ const UNIFORM: u8 = 0;
 const MIXED: u8 = 1;
 
 /// Lines with interlayers, of one or several lane patterns each.
-const DIVIDED: u8 = 2;
+const WITH_INTERLAYERS: u8 = 2;
 
 /// Kernel: sweep of adjacent lines of a `KIND`. The kinds are compiled separately to limit register pressure.
 struct SweepKernel<'a, 'b, T: Real, const KIND: u8> {
@@ -169,7 +169,7 @@ impl<T: Real> SweepLines<'_, T> {
     /// consecutive lines of several patterns together.
     pub(super) fn sweep_path(mut self, instructions: InstructionSet) {
         if self.interlayers.is_some() {
-            return self.sweep_divided_path(instructions);
+            return self.sweep_path_with_interlayers(instructions);
         }
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.
@@ -229,7 +229,7 @@ impl<T: Real> SweepLines<'_, T> {
         slopes: Slopes,
     ) {
         for index in 0..self.waves.len() {
-            if let Some(rows) = self.rows.as_ref().filter(|_| KIND != DIVIDED) {
+            if let Some(rows) = self.rows.as_ref().filter(|_| KIND != WITH_INTERLAYERS) {
                 rows.fill_ghosts::<V>(self.field_data, &self.waves[index], index, lines.clone());
             }
             // One compiled loop for each number of passive stresses; Hooke's law has at most two per pair of waves. With
@@ -237,7 +237,7 @@ impl<T: Real> SweepLines<'_, T> {
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
-                _ if KIND == DIVIDED => {
+                _ if KIND == WITH_INTERLAYERS => {
                     self.sweep_pair::<V, 2, KIND>(lines, index, pattern, slopes)
                 }
                 0 => self.sweep_pair::<V, 0, KIND>(lines, index, pattern, slopes),
@@ -301,7 +301,11 @@ impl<T: Real> SweepLines<'_, T> {
             passive_stresses: std::array::from_fn(|index| {
                 wave.passive_stresses.get(index).copied().unwrap_or_default()
             }),
-            passive_count: if KIND == DIVIDED { wave.passive_stresses.len() } else { PASSIVE },
+            passive_count: if KIND == WITH_INTERLAYERS {
+                wave.passive_stresses.len()
+            } else {
+                PASSIVE
+            },
             extent,
             prefetch_l2_offsets: self.prefetch_l2_offsets(index),
         };
@@ -311,7 +315,7 @@ impl<T: Real> SweepLines<'_, T> {
         let (path, lane_pattern_indices, steps) =
             (self.path, self.lane_pattern_indices, self.path.len() - 2);
         let mut cell: CellConstants<V> = CellConstants::load(self.table.constants(pattern, wave));
-        let is_one_medium = KIND == DIVIDED && self.has_stencils();
+        let is_one_medium = KIND == WITH_INTERLAYERS && self.has_stencils();
         for line in lines {
             let slot = line * self.waves.len() + index;
             let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
@@ -337,11 +341,12 @@ impl<T: Real> SweepLines<'_, T> {
             };
             let mut stencil_state = StencilState::new([previous, current], &cell, carried, slopes);
             let mut place = 0;
-            let mut next_law_state = if KIND == DIVIDED { self.first_law_state(line) } else { 0 };
+            let mut next_states_index =
+                if KIND == WITH_INTERLAYERS { self.first_states_index(line) } else { 0 };
             loop {
                 let ratios: [V; PASSIVE] = self.load_ratios(pattern, wave);
                 while place < steps
-                    && (KIND != DIVIDED || self.stencil_index(line, place) == 0)
+                    && (KIND != WITH_INTERLAYERS || self.stencil_index(line, place) == 0)
                     && (KIND == UNIFORM
                         || is_one_medium
                         || (outer_pattern == pattern
@@ -362,13 +367,20 @@ impl<T: Real> SweepLines<'_, T> {
                 }
                 let group_starts =
                     [path[place].start + offset.start, path[place + 2].start + offset.start];
-                let law_states: Option<LawStates<V>> = match KIND {
-                    DIVIDED => self.load_law_states((line, place), index, &mut next_law_state),
+                let interlayer_states: Option<InterlayerFaceStates<V>> = match KIND {
+                    WITH_INTERLAYERS => {
+                        self.load_interlayer_states((line, place), index, &mut next_states_index)
+                    }
                     _ => None,
                 };
                 if is_one_medium {
                     let stencil = self.load_stencil((line, place), wave);
-                    let media = StencilMedia::Divided(&cell, &ratios, &stencil, &law_states);
+                    let media = StencilMedia::BesideInterlayers(
+                        &cell,
+                        &ratios,
+                        &stencil,
+                        &interlayer_states,
+                    );
                     self.advance_group(&offsets, &mut stencil_state, group_starts, media, slopes);
                     place += 1;
                     continue;
@@ -381,12 +393,12 @@ impl<T: Real> SweepLines<'_, T> {
                 cell = CellConstants::load(self.table.constants(pattern, wave));
                 let next = lane_pattern_indices[path[place + 2].group + offset.group];
                 let next: CellConstants<V> = CellConstants::load(self.table.constants(next, wave));
-                let divided = match KIND {
-                    DIVIDED => Some((self.continuity((line, place)), &law_states)),
+                let interlayer_data = match KIND {
+                    WITH_INTERLAYERS => Some((self.continuity((line, place)), &interlayer_states)),
                     _ => None,
                 };
                 let cells = [&first, &cell_behind, &cell, &next];
-                let media = StencilMedia::Mixed(cells, (pattern_behind, wave), divided);
+                let media = StencilMedia::Mixed(cells, (pattern_behind, wave), interlayer_data);
                 self.advance_group(&offsets, &mut stencil_state, group_starts, media, slopes);
                 place += 1;
             }
@@ -425,7 +437,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
         let next: State<V> = self.load_state(offsets, next_data);
         let [cell_behind, cell] = match media {
-            StencilMedia::Uniform(cell, _) | StencilMedia::Divided(cell, ..) => [cell; 2],
+            StencilMedia::Uniform(cell, _) | StencilMedia::BesideInterlayers(cell, ..) => [cell; 2],
             StencilMedia::Mixed([_, cell_behind, cell, _], ..) => [cell_behind, cell],
         };
         let waves = RiemannInvariants::from_state(next, cell);
@@ -439,22 +451,23 @@ impl<T: Real> SweepLines<'_, T> {
                 [waves_behind, upper_stencil],
                 cell,
             ),
-            StencilMedia::Divided(_, _, stencil, _) => slopes.face_values_beside_interlayers(
-                carried.carried_invariants,
-                invariants,
-                [waves_behind, upper_stencil],
-                cell,
-                stencil,
-            ),
-            StencilMedia::Mixed(cells, _, divided) => slopes.face_values_in_mixed_media(
+            StencilMedia::BesideInterlayers(_, _, stencil, _) => slopes
+                .face_values_beside_interlayers(
+                    carried.carried_invariants,
+                    invariants,
+                    [waves_behind, upper_stencil],
+                    cell,
+                    stencil,
+                ),
+            StencilMedia::Mixed(cells, _, interlayer_data) => slopes.face_values_in_mixed_media(
                 carried.carried_invariants,
                 [previous, current, next],
                 cells,
-                divided.map(|own| own.0),
+                interlayer_data.map(|own| own.0),
             ),
         };
         let riemann = match media {
-            StencilMedia::Uniform(..) | StencilMedia::Divided(..) => {
+            StencilMedia::Uniform(..) | StencilMedia::BesideInterlayers(..) => {
                 [InterfaceState::riemann_equal_impedance(reach); 2]
             }
             StencilMedia::Mixed(..) => {
@@ -462,8 +475,10 @@ impl<T: Real> SweepLines<'_, T> {
             }
         };
         let [lower_face, beyond] = match media {
-            StencilMedia::Divided(_, _, _, Some(law_states))
-            | StencilMedia::Mixed(_, _, Some((_, Some(law_states)))) => law_states.replace(riemann),
+            StencilMedia::BesideInterlayers(_, _, _, Some(interlayer_states))
+            | StencilMedia::Mixed(_, _, Some((_, Some(interlayer_states)))) => {
+                interlayer_states.replace_riemann_solution(riemann)
+            }
             _ => riemann,
         };
         let moved = update_cell(previous, [carried.lower_face, lower_face], cell_behind);
@@ -477,9 +492,8 @@ impl<T: Real> SweepLines<'_, T> {
             let change = moved.stress - previous.stress;
             for (passive, place) in passive_stresses.into_iter().enumerate().take(passive_count) {
                 let ratio = match media {
-                    StencilMedia::Uniform(_, ratios) | StencilMedia::Divided(_, ratios, ..) => {
-                        ratios[passive]
-                    }
+                    StencilMedia::Uniform(_, ratios)
+                    | StencilMedia::BesideInterlayers(_, ratios, ..) => ratios[passive],
                     StencilMedia::Mixed(_, (pattern, wave), _) => {
                         V::load(self.table.coupling_ratio(pattern, wave, passive))
                     }
@@ -489,7 +503,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
         let carried = CarriedState { carried_invariants, lower_face: beyond };
         *stencil = match media {
-            StencilMedia::Uniform(..) | StencilMedia::Divided(..) => {
+            StencilMedia::Uniform(..) | StencilMedia::BesideInterlayers(..) => {
                 let lower_stencil = slopes.lower_stencil(invariants, waves);
                 StencilState {
                     carried,
@@ -511,11 +525,11 @@ enum StencilMedia<'a, V, const PASSIVE: usize> {
     Uniform(&'a CellConstants<V>, &'a [V; PASSIVE]),
     /// One medium with interlayers at some of the three faces: besides its constants and ratios, the reconstruction at
     /// the middle face and, if its history variables are advanced, its interface states.
-    Divided(
+    BesideInterlayers(
         &'a CellConstants<V>,
         &'a [V; PASSIVE],
         &'a InterlayerStencil<V>,
-        &'a Option<LawStates<V>>,
+        &'a Option<InterlayerFaceStates<V>>,
     ),
     /// Several media: constants of groups i − 2, i − 1, i (current) and i + 1. Coupling ratios are loaded on demand
     /// from the pattern of group i − 1 and the wave, to save registers. With interlayers also the continuity of the
@@ -523,7 +537,7 @@ enum StencilMedia<'a, V, const PASSIVE: usize> {
     Mixed(
         [&'a CellConstants<V>; 4],
         (u32, &'a WavePair),
-        Option<([V; 3], &'a Option<LawStates<V>>)>,
+        Option<([V; 3], &'a Option<InterlayerFaceStates<V>>)>,
     ),
 }
 

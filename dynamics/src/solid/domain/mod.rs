@@ -112,7 +112,8 @@ pub struct Domain<T: SolverReal, const D: usize> {
     boundaries: Boundaries<T, D>,
     sources: Sources<D>,
     lane_laws: LaneLaws<T>,
-    /// Values by row, field and group; after all rows, ghosts of the lines that are swept.
+    /// Field values in order of row, then field, then group of the row; after those of all rows, the ghosts of the
+    /// lines that are being swept.
     field_data: Vec<T::Lanes>,
     interfaces: LaneInterlayers<T, D>,
     /// Flow of the fluid in saturated interlayers; `None` if there are none.

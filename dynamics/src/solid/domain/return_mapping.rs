@@ -1,15 +1,17 @@
 //! Return mapping of total stresses (initial stress included) in SIMD lanes, by the projection P or the reflection 2P −
-//! I, for yield sets of any kinds side by side.
+//! I. The lanes of a block may have different yield sets: cones of the Mises type ([`Cone`]), polyhedra, others or
+//! none.
 //!
 //! Every operation is that of the scalar projection ([`Medium::project`]), in the same order and in double precision:
 //! results are equal bit for bit. Blocks in which no lane yields are skipped after the yield condition has been
-//! evaluated. Newton's method runs on a batch of blocks: converged blocks do not wait for the others. Lanes are
-//! projected by the scalar function if the mean stress may reach the apex, if the set is a polyhedron, whose
-//! half-spaces are tested in lanes, or if the set is of another kind.
+//! evaluated. Newton's method runs on a batch of blocks: converged blocks do not wait for the others. Only cones are
+//! solved in lanes. The scalar function projects stresses that may reach the apex of their cone, stresses beyond a
+//! polyhedron, whose half-spaces are tested in lanes, and the stresses in all other sets.
 //!
 //! A block of eight stresses takes 16 to 19 divisions and 3 to 4 square roots in a classical solid with initial stress:
-//! three divisions and one root per step of Newton's method, two divisions per energy. Newton's method is limited by
-//! the division unit; the rest of the time is spent on about 400 additions, multiplications and comparisons.
+//! three divisions and one root per step of Newton's method, two divisions per evaluation of the stored energy.
+//! Newton's method is limited by the division unit; the rest of the time is spent on about 400 additions,
+//! multiplications and comparisons.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors, parts and lanes")]
 
 mod batch;

@@ -27,7 +27,7 @@ const GROUP_STRIDE: GroupIndex = GroupIndex { group: 1, start: 1 };
 #[derive(Clone, Copy)]
 struct LineBundle {
     axis: usize,
-    /// Half step of the pass.
+    /// Index of the half step in the pass: even for the first half of a step, odd for the second.
     half_step: usize,
     /// First group of the first line; the other lines are offset by multiples of `line_stride`.
     first: GroupIndex,
@@ -42,7 +42,8 @@ struct LineBundle {
     /// Index of the boundary face at which the first line ends: a row index for lines along the first axis, otherwise
     /// the index of a group of faces.
     face: usize,
-    /// Index of the first line among the carried states of this axis.
+    /// Index of the first line in `Buffers::carried_states` of the axis and half step: the states that the sweep
+    /// carries along the lines from one tile to the next.
     carried: usize,
 }
 
@@ -66,9 +67,10 @@ impl LineBundle {
 
 /// Sweeps, their ghosts and the work at boundaries.
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Applies the in-plane sweeps of one half step in one layer: x y in the first half of a step, y x in the second
-    /// half (with alternating sweeps only y in the second half). `entered`, `middle`, `last`: rows that pass each of
-    /// the three stages of [`super::schedule::stage_progress`].
+    /// Applies the sweeps within a layer, along x and in space along y, of the half step with index `half_step` in the
+    /// pass: x y in the first half of a step (even index), y x in the second half (odd index), there only y if the
+    /// scheme is alternating. `entered`, `middle`, `last`: rows that pass each of the three stages of
+    /// [`super::schedule::stage_progress`].
     pub(super) fn sweep_layer(
         &mut self,
         layer: usize,
@@ -100,8 +102,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sweeps adjacent rows along the first axis by half a step; the very first of alternating sweeps is by a quarter
-    /// of a step.
+    /// Sweeps adjacent rows along the first axis in the half step with index `half_step` in the pass, by half a step.
+    /// If the scheme alternates between sweeps along the first axis and along the others, the very first sweep of the
+    /// simulation is by a quarter of a step.
     pub(super) fn sweep_rows(&mut self, rows: Range<usize>, half_step: usize) {
         // If rows differ in cell length, they are swept one at a time, with the constants of the row.
         let chunk = if self.materials.row_constants.is_some() { 1 } else { CHUNK_SIZE };

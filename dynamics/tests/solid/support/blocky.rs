@@ -31,7 +31,7 @@ pub fn layer_material(thickness: f64) -> ElasticMaterial {
     ElasticMaterial { thickness, density: 1500.0, longitudinal_speed: 1000.0, shear_speed: 500.0 }
 }
 
-/// Returns the elastic law of interlayers of a thickness, m, with mass in a box.
+/// Returns the elastic law of interlayers of a thickness, m; their mass is distributed by the box scheme.
 pub fn elastic_layer(thickness: f64) -> LayerLaw<f64> {
     LayerMaterial::Elastic(layer_material(thickness)).to_law(MassDistribution::Box)
 }

@@ -55,8 +55,8 @@ impl PlasticPotential {
         }
     }
 
-    /// Computes the leading growth rate divided by k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K) = `beta`, rad
-    /// (stress angle Ψ_Σ, angle ψ_K of the wave vector):
+    /// Computes the leading growth rate, that of wave numbers k → ∞, divided by k², m²/s, in the direction with β =
+    /// 2(Ψ_Σ − ψ_K) = `beta`, rad (stress angle Ψ_Σ, angle ψ_K of the wave vector):
     ///
     /// ```text
     /// −q (cos β − sin ν)(cos β − sin φ) / {2 ρ Q_D [1 + sin ν sin φ − (sin ν + sin φ) cos β]}
@@ -86,9 +86,10 @@ impl PlasticPotential {
         [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
     }
 
-    /// Computes the maximum over all directions of the leading growth rate divided by k², in m²/s,
-    /// `q tan²((φ − ν)/2) / (2 ρ Q_D)`, and cos β of its direction, `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in
-    /// Pa, `density` ρ in kg/m³, `shear_rate` Q_D in 1/s.
+    /// Computes the maximum over all directions of the growth rate divided by k² in the limit k → ∞ of the wave number
+    /// k, `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and `cos β = sin((φ + ν)/2) / cos((φ − ν)/2)` of its direction, with
+    /// β = 2(Ψ_Σ − ψ_K) as in [`growth_coefficient`](Self::growth_coefficient), the friction angle φ and the dilatancy
+    /// angle ν. `deviator` q in Pa, `density` ρ in kg/m³, `shear_rate` Q_D in 1/s.
     pub fn fastest_growth(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
         let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);

@@ -1,15 +1,15 @@
-//! Sweep of lines with interlayers: first the laws of all faces with history variables, then the wave pairs one after
-//! the other as in other lines.
+//! Sweep of lines with interlayers, in two stages. First the interlayer laws of all faces with history variables are
+//! applied, then the wave pairs are swept one after the other as in other lines.
 //!
-//! A law relates all wave pairs, but reads only the states before the sweep. It gives the interface states of its face,
-//! which the sweep of each pair then uses in place of the solution of the Riemann problem.
+//! A law couples all wave pairs, but needs only the incident waves of the states before the sweep. It yields the
+//! interface states of its face, which the sweep of each pair uses in place of the solution of the Riemann problem.
 #![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
 
 use super::super::interlayer_faces::{FacePattern, PathFaces};
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
-use super::interlayer_law::{LawFace, LawFaces, apply_law};
-use super::{CarriedState, DIVIDED, SweepKernel, SweepLines, prefetch};
+use super::interlayer_law::{FaceBatch, FaceLawEntry, apply_law};
+use super::{CarriedState, SweepKernel, SweepLines, WITH_INTERLAYERS, prefetch};
 use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::InterlayerStencil;
@@ -19,6 +19,7 @@ use models::interface::Interval;
 /// Interlayers on the path of a sweep, and the buffer of their interface states.
 pub(crate) struct PathInterlayers<'a, T: Real> {
     pub(crate) faces: PathFaces<'a, T>,
+    /// History variables of all faces of the domain.
     pub(crate) history: &'a mut [T::Lanes],
     /// Time at the end of the sweep and its duration, s.
     pub(crate) interval: Interval<T>,
@@ -28,43 +29,48 @@ pub(crate) struct PathInterlayers<'a, T: Real> {
 /// Interface states of the faces with history variables on the path of a sweep, line by line.
 #[derive(Clone)]
 pub(crate) struct InterlayerStates<T: Real> {
-    /// Laws of the faces: one entry for each law of a face.
-    laws: Vec<LawFace>,
-    /// By line, index of its first group in `values`.
+    /// By line and face, one entry for each law of the face.
+    law_entries: Vec<FaceLawEntry>,
+    /// By line, index of the first group of the line in `values`.
     line_starts: Vec<usize>,
-    /// By face and wave pair [`FACE_GROUPS`] groups: the incident waves, and in the lanes with a law, once it has been
-    /// applied, the interface states of the lower and of the upper cell, difference and sum.
+    /// By face and wave pair, [`GROUPS_PER_WAVE_PAIR`] groups. Before the laws are applied, the first two are the
+    /// incident waves from below and from above; afterwards, in the lanes with a law, the groups are difference and sum
+    /// of the interface state of the lower cell, then of the upper cell.
     values: Vec<T::Lanes>,
 }
 
-/// Number of groups of a face and wave pair in the buffer of interface states.
-pub(super) const FACE_GROUPS: usize = 4;
+/// Number of groups for a wave pair of a face in the buffer of interface states.
+pub(super) const GROUPS_PER_WAVE_PAIR: usize = 4;
 
 impl<T: Real> Default for InterlayerStates<T> {
     fn default() -> Self {
-        Self { laws: Vec::new(), line_starts: Vec::new(), values: Vec::new() }
+        Self { law_entries: Vec::new(), line_starts: Vec::new(), values: Vec::new() }
     }
 }
 
-/// Interface states of a face for one wave pair, in the lanes with an interlayer.
+/// Interface states of the lower and the upper cell of a face for one wave pair, in the lanes with history variables.
 #[derive(Clone, Copy)]
-pub(super) struct LawStates<V> {
+pub(super) struct InterlayerFaceStates<V> {
+    /// Mask of the lanes with history variables.
     lanes: u16,
     states: [InterfaceState<V>; 2],
 }
 
-impl<V: Number> LawStates<V> {
-    /// Replaces the solution of the Riemann problem in the lanes with an interlayer.
+impl<V: Number> InterlayerFaceStates<V> {
+    /// Replaces the solution of the Riemann problem in the lanes with history variables.
     #[inline(always)]
-    pub(super) fn replace<T: Real>(&self, riemann: [InterfaceState<V>; 2]) -> [InterfaceState<V>; 2]
+    pub(super) fn replace_riemann_solution<T: Real>(
+        &self,
+        riemann: [InterfaceState<V>; 2],
+    ) -> [InterfaceState<V>; 2]
     where
         V: Vector<T>,
     {
         let mut states = riemann;
         for side in 0..2 {
-            let (own, law) = (&mut states[side], &self.states[side]);
-            own.difference = own.difference.blend_lanes(self.lanes, law.difference);
-            own.sum = own.sum.blend_lanes(self.lanes, law.sum);
+            let (state, law_state) = (&mut states[side], &self.states[side]);
+            state.difference = state.difference.blend_lanes(self.lanes, law_state.difference);
+            state.sum = state.sum.blend_lanes(self.lanes, law_state.sum);
         }
         states
     }
@@ -85,12 +91,12 @@ impl<T: Real> SimdKernel<T> for IncidentWaveKernel<'_, '_, T> {
         }
         let Some(interlayers) = sweep.interlayers.take() else { return };
         let (faces, states) = (&interlayers.faces, &mut *interlayers.states);
-        states.laws.clear();
+        states.law_entries.clear();
         states.line_starts.clear();
         states.values.clear();
         for line in 0..lines {
             states.line_starts.push(states.values.len());
-            let first_history = faces.first_history + line * faces.history_stride;
+            let first_history_index = faces.first_history_index + line * faces.history_stride;
             for place in 0..sweep.path.len() - 2 {
                 if faces.stencil_index(line, place) == 0 {
                     continue;
@@ -100,19 +106,20 @@ impl<T: Real> SimdKernel<T> for IncidentWaveKernel<'_, '_, T> {
                     continue;
                 }
                 let groups = sweep.groups_around(line, place);
-                for &(law, lanes) in &pattern.laws {
-                    states.laws.push(LawFace {
-                        law,
+                for &(law_index, lanes) in &pattern.laws {
+                    states.law_entries.push(FaceLawEntry {
+                        law_index,
                         lanes,
-                        patterns: [1, 2].map(|side| sweep.lane_pattern_indices[groups[side].group]),
-                        first_history: first_history + faces.history_offsets[place + 1],
-                        first_value: states.values.len(),
+                        lane_pattern_indices: [1, 2]
+                            .map(|side| sweep.lane_pattern_indices[groups[side].group]),
+                        first_history_index: first_history_index + faces.history_offsets[place + 1],
+                        first_value_index: states.values.len(),
                     });
                 }
                 for index in 0..sweep.waves.len() {
                     let incident: [V; 2] =
                         sweep.incident_waves(faces, (line, place), index, groups);
-                    let mut values = [T::Lanes::ZERO; FACE_GROUPS];
+                    let mut values = [T::Lanes::ZERO; GROUPS_PER_WAVE_PAIR];
                     for side in 0..2 {
                         incident[side].store(&mut values[side]);
                     }
@@ -138,8 +145,8 @@ impl<T: Real> PathFaces<'_, T> {
         self.stencil_indices[line * self.pattern_stride + place + 1]
     }
 
-    /// Returns for the three faces around a stencil, the middle one between the groups at a place and the next place, 0
-    /// in lanes with an interlayer and 1 in other lanes.
+    /// Returns the continuity of the three faces of a stencil, the middle one between the groups at a place and the
+    /// next place of the path of a line: 0 in lanes with an interlayer, 1 in other lanes.
     #[inline(always)]
     pub(super) fn continuity<V: Vector<T>>(&self, line: usize, place: usize) -> [V; 3] {
         let mut continuity = [V::ZERO; 3];
@@ -150,45 +157,50 @@ impl<T: Real> PathFaces<'_, T> {
         continuity
     }
 
-    /// Loads a stencil for the constants of a wave pair; only in a domain of one medium.
+    /// Loads a stencil for the constants of a wave pair; stencils exist only in a domain of one medium.
     #[inline(always)]
     pub(super) fn load_stencil<V: Vector<T>>(
         &self,
-        stencil: u32,
+        stencil_index: u32,
         wave: &WavePair,
     ) -> InterlayerStencil<V> {
-        let index = stencil as usize * self.cells_per_stencil + wave.constants_index;
+        let index = stencil_index as usize * self.cells_per_stencil + wave.constants_index;
         InterlayerStencil::load(&self.stencils[index])
     }
 }
 
 impl<T: Real> SweepLines<'_, T> {
-    /// Sweeps lines with interlayers.
-    pub(super) fn sweep_divided_path(&mut self, instructions: InstructionSet) {
+    /// Sweeps lines with interlayers: applies the laws to batches of faces, then sweeps the wave pairs.
+    pub(super) fn sweep_path_with_interlayers(&mut self, instructions: InstructionSet) {
         instructions.run_kernel(IncidentWaveKernel(self));
         let (table, waves) = (self.table, self.waves);
         if let Some(PathInterlayers { faces, history, interval, states }) = &mut self.interlayers {
-            for laws in states
-                .laws
-                .chunk_by(|one, next| (one.law, one.patterns) == (next.law, next.patterns))
-            {
-                let law = &faces.laws[usize::from(laws[0].law)];
+            let has_same_constants = |one: &FaceLawEntry, next: &FaceLawEntry| {
+                (one.law_index, one.lane_pattern_indices)
+                    == (next.law_index, next.lane_pattern_indices)
+            };
+            for entries in states.law_entries.chunk_by(has_same_constants) {
+                let law = &faces.laws[usize::from(entries[0].law_index)];
                 let values = &mut states.values;
-                let faces = LawFaces {
+                let batch = FaceBatch {
                     law,
-                    faces: laws,
+                    faces: entries,
                     table,
                     waves,
                     interval: *interval,
                     history,
-                    variables: faces.variables,
+                    history_variable_count: faces.variable_count,
                     values,
                 };
-                apply_law(instructions, faces);
+                apply_law(instructions, batch);
             }
         }
         let lines = 0..self.carried.len() / self.waves.len().max(1);
-        instructions.run_kernel(SweepKernel::<T, DIVIDED> { sweep: self, lines, pattern: 0 });
+        instructions.run_kernel(SweepKernel::<T, WITH_INTERLAYERS> {
+            sweep: self,
+            lines,
+            pattern: 0,
+        });
     }
 
     /// Returns the groups i − 2, i − 1, i and i + 1 around the face between the groups at a place and the next place of
@@ -203,17 +215,17 @@ impl<T: Real> SweepLines<'_, T> {
         groups
     }
 
-    /// Computes the waves that reach the face between the groups at a place and the next place of the path of a line,
-    /// for the wave pair `index`.
+    /// Computes the incident waves of the face between the groups at a place and the next place of the path of a line,
+    /// from below and from above, for the wave pair `wave_index`. `groups`: result of [`Self::groups_around`].
     #[inline(always)]
     fn incident_waves<V: Vector<T>>(
         &self,
         faces: &PathFaces<'_, T>,
         (line, place): (usize, usize),
-        index: usize,
+        wave_index: usize,
         groups: [GroupIndex; 4],
     ) -> [V; 2] {
-        let (wave, slopes) = (&self.waves[index], self.slopes);
+        let (wave, slopes) = (&self.waves[wave_index], self.slopes);
         let first: State<V> = self.load_group(groups[0], wave);
         let mut states = [first; 4];
         for depth in 1..4 {
@@ -222,11 +234,12 @@ impl<T: Real> SweepLines<'_, T> {
             prefetch(group, self.prefetch_l1_distance + wave.velocity, true);
             prefetch(group, self.prefetch_l1_distance + wave.stress, true);
         }
-        // The group before the path has already been updated.
+        // At the first face of the path, the group before the path has already been updated: the carried invariants are
+        // those that the sweep has stored there.
         let stored = match (place, self.is_line_start) {
             (0, true) => Some(RiemannInvariants::ZERO),
             (0, false) => {
-                let slot = line * self.waves.len() + index;
+                let slot = line * self.waves.len() + wave_index;
                 Some(CarriedState::load(&self.carried[slot]).carried_invariants)
             }
             _ => None,
@@ -262,47 +275,51 @@ impl<T: Real> SweepLines<'_, T> {
         CellConstants::load(self.table.constants(pattern, wave))
     }
 
+    /// Loads the velocity and the stress of a group.
     #[inline(always)]
     fn load_group<V: Vector<T>>(&self, group: GroupIndex, wave: &WavePair) -> State<V> {
         let data = &self.field_data[group.start..];
         State { velocity: V::load(&data[wave.velocity]), stress: V::load(&data[wave.stress]) }
     }
 
-    /// Loads the interface states of the face between the groups at a place and the next place of the path of a line;
-    /// `None` if the face has no history variables. `next`: index of the states of the next face of the line with
-    /// history variables.
+    /// Loads the interface states of the face between the groups at a place and the next place of the path of a line,
+    /// for the wave pair `wave_index`; `None` if the face has no history variables. `next_states_index`: index of the
+    /// states of the next face of the line with history variables, which is advanced past the states of this face.
     #[inline(always)]
-    pub(super) fn load_law_states<V: Vector<T>>(
+    pub(super) fn load_interlayer_states<V: Vector<T>>(
         &self,
         (line, place): (usize, usize),
-        index: usize,
-        next: &mut usize,
-    ) -> Option<LawStates<V>> {
+        wave_index: usize,
+        next_states_index: &mut usize,
+    ) -> Option<InterlayerFaceStates<V>> {
         let PathInterlayers { faces, states, .. } = self.interlayers.as_ref()?;
         let lanes = faces.pattern(line, place + 1).history_lanes;
         if lanes == 0 {
             return None;
         }
-        let values = &states.values[*next + index * FACE_GROUPS..][..FACE_GROUPS];
-        *next += self.waves.len() * FACE_GROUPS;
+        let first = *next_states_index + wave_index * GROUPS_PER_WAVE_PAIR;
+        let values = &states.values[first..][..GROUPS_PER_WAVE_PAIR];
+        *next_states_index += self.waves.len() * GROUPS_PER_WAVE_PAIR;
         let state = |side: usize| (&values[2 * side], &values[2 * side + 1]);
         let ([lower, upper], load) = ([state(0), state(1)], <V as Vector<T>>::load);
         let lower = InterfaceState { difference: load(lower.0), sum: load(lower.1) };
         let upper = InterfaceState { difference: load(upper.0), sum: load(upper.1) };
-        Some(LawStates { lanes, states: [lower, upper] })
+        Some(InterlayerFaceStates { lanes, states: [lower, upper] })
     }
 
-    /// Whether all groups have the same constants, for which the stencils are stored.
+    /// Returns whether stencils are stored: in lines with interlayers whose groups all have the same constants.
     #[inline(always)]
     pub(super) fn has_stencils(&self) -> bool {
-        self.interlayers.as_ref().is_some_and(|own| !own.faces.stencils.is_empty())
+        self.interlayers.as_ref().is_some_and(|interlayers| !interlayers.faces.stencils.is_empty())
     }
 
     /// Returns the index of the stencil of the face between the groups at a place and the next place of the path of a
     /// line; 0 without interlayers.
     #[inline(always)]
     pub(super) fn stencil_index(&self, line: usize, place: usize) -> u32 {
-        self.interlayers.as_ref().map_or(0, |own| own.faces.stencil_index(line, place))
+        self.interlayers
+            .as_ref()
+            .map_or(0, |interlayers| interlayers.faces.stencil_index(line, place))
     }
 
     /// Loads the stencil of a face; see [`Self::has_stencils`].
@@ -313,23 +330,25 @@ impl<T: Real> SweepLines<'_, T> {
         wave: &WavePair,
     ) -> InterlayerStencil<V> {
         match &self.interlayers {
-            Some(own) => own.faces.load_stencil(own.faces.stencil_index(line, place), wave),
+            Some(PathInterlayers { faces, .. }) => {
+                faces.load_stencil(faces.stencil_index(line, place), wave)
+            }
             None => unreachable!("only lines with interlayers have stencils"),
         }
     }
 
-    /// Returns for the three faces around a stencil 0 in lanes with an interlayer and 1 in other lanes.
+    /// Returns the continuity of the three faces of a stencil: 0 in lanes with an interlayer, 1 in other lanes.
     #[inline(always)]
     pub(super) fn continuity<V: Vector<T>>(&self, (line, place): (usize, usize)) -> [V; 3] {
         match &self.interlayers {
-            Some(own) => own.faces.continuity(line, place),
+            Some(interlayers) => interlayers.faces.continuity(line, place),
             None => [<V as Number>::ONE; 3],
         }
     }
 
-    /// Returns the index of the interface states of the first face of a line with history variables.
+    /// Returns the index of the interface states of the first face with history variables in a line.
     #[inline(always)]
-    pub(super) fn first_law_state(&self, line: usize) -> usize {
-        self.interlayers.as_ref().map_or(0, |own| own.states.line_starts[line])
+    pub(super) fn first_states_index(&self, line: usize) -> usize {
+        self.interlayers.as_ref().map_or(0, |interlayers| interlayers.states.line_starts[line])
     }
 }

@@ -17,15 +17,15 @@ pub const POINTS_ARRAY: &str = "Points";
 /// points that it shares with no other line. The same arrays added in the same order give the same bytes.
 ///
 /// ```
-/// use wellposed_files::vti::{LineData, Storage};
+/// use wellposed_files::vti::{PolyData, Storage};
 ///
-/// let mut data = LineData::new(&[[[0.0, 0.0], [0.0, 0.5]], [[0.0, 0.5], [1.0, 0.5]]], Storage::Plain)?;
+/// let mut data = PolyData::new(&[[[0.0, 0.0], [0.0, 0.5]], [[0.0, 0.5], [1.0, 0.5]]], Storage::Plain)?;
 /// data.set_time(0.25)?;
 /// data.add_array("slip [m]", &[0.0, 1e-6])?;
 /// assert!(data.to_bytes().starts_with(b"<?xml"));
 /// # Ok::<(), wellposed_files::vti::VtiError>(())
 /// ```
-pub struct LineData {
+pub struct PolyData {
     line_count: usize,
     /// Encoded coordinates of the points: start and end of each line.
     points: Vec<u8>,
@@ -37,7 +37,7 @@ pub struct LineData {
     arrays: CellArrays,
 }
 
-impl LineData {
+impl PolyData {
     /// Creates lines in the plane x₃ = 0 from the coordinates of their ends, in any unit of length, without arrays.
     ///
     /// # Errors
