@@ -5,12 +5,14 @@
 #![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
 
 use super::super::material_table::{MaterialTable, WavePair};
-use super::interlayers::GROUPS_PER_WAVE_PAIR;
 use crate::simd::{InstructionSet, LaneGroup, Real, SimdKernel, Vector};
 use crate::solid::interface::advance_interlayer;
 use crate::solid::interlayers::{InterlayerLaw, MAX_HISTORY_VARIABLES};
 use models::interface::layer::LayerLaw;
 use models::interface::{FaceLaw, Interval};
+
+/// Number of groups for a wave pair of a face in the buffer of interface states.
+pub(super) const GROUPS_PER_WAVE_PAIR: usize = 4;
 
 /// Law of the face of a group in some of its lanes; a face whose lanes have several laws has one entry for each.
 #[derive(Clone, Copy, Debug)]

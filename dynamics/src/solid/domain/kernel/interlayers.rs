@@ -8,7 +8,7 @@
 use super::super::interlayer_faces::{FacePattern, PathFaces};
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
-use super::interlayer_law::{FaceBatch, FaceLawEntry, apply_law};
+use super::interlayer_law::{FaceBatch, FaceLawEntry, GROUPS_PER_WAVE_PAIR, apply_law};
 use super::{CarriedState, SweepKernel, SweepLines, WITH_INTERLAYERS, prefetch};
 use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
@@ -38,9 +38,6 @@ pub(crate) struct InterlayerStates<T: Real> {
     /// of the interface state of the lower cell, then of the upper cell.
     values: Vec<T::Lanes>,
 }
-
-/// Number of groups for a wave pair of a face in the buffer of interface states.
-pub(super) const GROUPS_PER_WAVE_PAIR: usize = 4;
 
 impl<T: Real> Default for InterlayerStates<T> {
     fn default() -> Self {
