@@ -272,9 +272,14 @@ fn interpolate(times: &[f64], values: &[f64], time: f64) -> f64 {
 /// use wellposed::study::{compare_runs, ignore_progress};
 ///
 /// let path = "cases/blocky/pulse-breaking.toml";
-/// let size = ["block[0].repeat=[20, 10]", "block[0].origin=[-0.5, -0.5]", "time.duration=1e-4"];
-/// let first = wellposed::load(path, size)?;
-/// let second = wellposed::load(path, size.into_iter().chain(["joint[0].fracture=false"]))?;
+/// let settings = [
+///     "block[0].repeat=[20, 10]",
+///     "block[0].origin=[-0.5, -0.5]",
+///     "receiver[0].at=[0.025, -0.125]",
+///     "time.duration=1e-4",
+/// ];
+/// let first = wellposed::load(path, settings)?;
+/// let second = wellposed::load(path, settings.into_iter().chain(["joint[0].fracture=false"]))?;
 /// let run = |case| wellposed::simulate(case, SimulationSettings::default(), &ignore_progress);
 /// let found = compare_runs([&first, &second], [&run(&first)?, &run(&second)?])?;
 /// assert_eq!(found.averaging.count, 20 * 10);
