@@ -123,9 +123,10 @@ impl<V: Number> CellConstants<V> {
         let [upwind, central, downwind] = continuity;
         let (beside, _) = self.interface_weights(continuity);
         let full = upwind * central * downwind;
+        // Beside another medium the upwind difference has a weight, across an interlayer none.
         let upwind_weight = full * self.upwind_weight + upwind * beside[0];
-        let central_weight = full * self.central_weight + central * beside[1];
-        let downwind_weight = full * self.downwind_weight + downwind * beside[2];
+        let central_weight = full * self.central_weight + beside[1];
+        let downwind_weight = full * self.downwind_weight + beside[2];
         [
             upwind_weight,
             V::ONE + upwind_weight - central_weight,

@@ -464,3 +464,46 @@ impl<N: Number> Reconstruction<N> {
         RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{InterlayerStencil, Slopes};
+    use crate::solid::cell::CellConstants;
+    use crate::solid::line::face_values;
+    use crate::solid::random_lines::LinearCongruentialGenerator;
+    use crate::solid::riemann::State;
+
+    /// Verifies that in one medium the stored weights give the face values of the formula for any media bit for bit, and
+    /// that cells beyond an interlayer have no influence.
+    #[test]
+    fn stored_weights_beside_interlayers_equal_the_formula_for_any_media() {
+        let mut random = LinearCongruentialGenerator::new(3);
+        for slopes in [Slopes::FourthOrder, Slopes::Limited] {
+            for attempt in 0..800 {
+                let mut uniform = |low, high| random.uniform(low, high);
+                let cell =
+                    CellConstants::<f64>::with_interfaces(uniform(0.1, 10.0), uniform(0.0, 1.0));
+                let continuity =
+                    [0, 1, 2].map(|face| f64::from(u8::from(attempt >> face & 1 == 0)));
+                let states = [0; 4]
+                    .map(|_| State { velocity: uniform(-1.0, 1.0), stress: uniform(-1.0, 1.0) });
+                let stencil = InterlayerStencil::new(&cell, continuity);
+                let waves = |states| {
+                    slopes.incident_waves_beside_interlayers(None, states, &cell, &stencil)
+                };
+                let found = waves(states);
+                let expected = face_values(states, [&cell; 4], continuity, slopes);
+                assert_eq!(
+                    found.map(f64::to_bits),
+                    expected.map(f64::to_bits),
+                    "{slopes:?} {continuity:?}"
+                );
+                if continuity[1] == 0.0 {
+                    let far = State { velocity: 7.0, stress: -3.0 };
+                    assert_eq!(waves([states[0], states[1], far, far])[0], found[0]);
+                    assert_eq!(waves([far, far, states[2], states[3]])[1], found[1]);
+                }
+            }
+        }
+    }
+}
