@@ -321,13 +321,14 @@ impl CellExperiment<'_> {
         let rate = Complex64::I * mode.raw_frequency;
         let face = |own: &InterlayerFace| {
             let axis = own.axis;
-            let trace = |index: usize, end: usize| {
+            // Displacement of the mode at a face of a cell.
+            let face_displacement = |index: usize, end: usize| {
                 let (block, at, phase) = locate(index);
                 faces[block][axis][end][at[1 - axis]].map(|value| value * phase)
             };
             // Phases of the whole grid are multiples of 2π.
             let (below, _) = grid.lower_neighbour(own.cell, axis);
-            let (before, after) = (trace(below, 1), trace(own.cell, 0));
+            let (before, after) = (face_displacement(below, 1), face_displacement(own.cell, 0));
             let component = |index: usize| {
                 let direction = if index == 0 { axis } else { 1 - axis };
                 let opening = after[direction] - before[direction];
