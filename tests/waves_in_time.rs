@@ -459,3 +459,77 @@ fn half_space_resonates_at_natural_rotation_frequency() {
     println!("factor {found} for {expected}");
     assert!(expected > 5.0 && (found / expected - 1.0).abs() < 0.02, "{found} for {expected}");
 }
+
+/// Column of 200 cells of 0.1 m whose lower side is loaded by normal and tangential traction; P waves, 2 m/s, are twice
+/// as fast as S waves. The receiver is in the middle of the cell 50.
+const LOADED_COLUMN: &str = "[model]\nkind = 'classical'\nlambda = 4\nmu = 2\ndensity = 2\n\
+    [grid]\ncells = [200, 3]\nspacing = 0.1\n\
+    [time]\nduration = 12\ncourant = 1\ncourant_of = 's'\n\
+    [[boundary]]\nside = 'x1+'\nkind = 'non-reflecting'\n\
+    [[boundary]]\nside = 'x2-'\nkind = 'periodic'\n\
+    [[boundary]]\nside = 'x2+'\nkind = 'periodic'\n\
+    [[load]]\nside = 'x1-'\nfield = 'sigma11'\namplitude = 3\ntime = { kind = 'sine', frequency = 0.6 }\n\
+    [[load]]\nside = 'x1-'\nfield = 'sigma12'\namplitude = 2\ntime = { kind = 'sine', frequency = 0.4 }\n\
+    [[receiver]]\nname = 'r'\nat = [5.05, 0.15]\nfields = ['v1', 'v2']\n";
+
+/// Verifies that with `courant_of = 's'` both families of waves reach a receiver as exact plane waves: the cell shows
+/// the traction in the middle of a sweep at the side, after one cell per sweep.
+#[test]
+fn waves_of_both_families_are_exact_with_courant_of_shear_waves() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let file = folder.path().join("column.toml");
+    fs::write(&file, LOADED_COLUMN).expect("a writable folder");
+    let results = run_case_file(file, &[]);
+    let time = results.column("time");
+    // Records after whole steps of the shear waves, of two sweeps by one cell each.
+    assert!(time.iter().enumerate().all(|(index, t)| (t - 0.2 * index as f64).abs() < 1e-12));
+    let mut max_error = 0.0f64;
+    for (column, speed, amplitude, frequency) in [("r.v1", 2.0, 3.0, 0.6), ("r.v2", 1.0, 2.0, 0.4)]
+    {
+        for (t, value) in time.iter().zip(results.column(column)) {
+            let phase = 2.0 * PI * frequency * (t - 5.05 / speed).max(0.0);
+            let expected = -amplitude / (2.0 * speed) * phase.sin();
+            max_error = max_error.max((value - expected).abs());
+        }
+    }
+    println!("{max_error}");
+    assert!(max_error < 1e-11, "{max_error}");
+    let report = results.read_report();
+    assert_eq!(report["steps"], 120);
+}
+
+/// Verifies that media and joints whose shear waves cannot have steps of their own are refused with place and remedy.
+#[test]
+fn impossible_courant_numbers_of_shear_waves_are_refused() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let blocks = "[model]\nkind = 'classical'\nlambda = 4\nmu = 2\ndensity = 2\n\
+        [[block]]\ncells = [4, 4]\nsize = 1\nrepeat = [2, 2]\n\
+        [[joint]]\nevery = 'all'\nkind = 'cracked'\nthickness = 0.01\ndensity = 1\nlongitudinal_speed = 1\n\
+        shear_speed = 0.5\n\
+        [time]\nduration = 1\ncourant_of = 's'\n";
+    let cosserat = format!(
+        "{COSSERAT_MODEL}[grid]\ncells = [4, 4]\nspacing = 1\n[time]\nduration = 1\ncourant_of = 's'\n"
+    );
+    for (text, settings, expected) in [
+        (
+            LOADED_COLUMN,
+            "model.lambda=5",
+            ":12: time.courant_of: the ratio c1/c2 = 2.1213203435596424 / 1 is 2.1213203435596424; expected c1/c2 = 2 or 3",
+        ),
+        (
+            blocks,
+            "",
+            "time.courant_of: joints of the kind cracked; expected joints whose normal and",
+        ),
+        (&cosserat, "", "time.courant_of: the solid has spins; expected c1/c2 = 2 or 3"),
+        (LOADED_COLUMN, "scheme.splitting=alternating", "scheme.splitting: found 'alternating'; "),
+    ] {
+        let file = folder.path().join("case.toml");
+        fs::write(&file, text).expect("a writable folder");
+        let sets: Vec<String> = settings.split_whitespace().map(str::to_owned).collect();
+        let error = run_case(&create_options(file, folder.path(), &sets)).expect_err(settings);
+        let error = error.to_string();
+        assert!(error.contains(expected), "{error}");
+        assert!(!folder.path().join("out").exists());
+    }
+}

@@ -44,8 +44,8 @@ pub use source::{Kernel, PointSource, SourceKind};
 pub use stress::Gravity;
 pub use tiling::{BlockContact, PlacedBlock};
 pub use time::{
-    DEFAULT_COURANT_NUMBER, DimensionalSplitting, LedgerDetail, Precision, ReconstructionScheme,
-    ReturnMappingOrder, SchemeOptions, SolidTime,
+    CourantWaves, DEFAULT_COURANT_NUMBER, DimensionalSplitting, LedgerDetail, Precision,
+    ReconstructionScheme, ReturnMappingOrder, SchemeOptions, SolidTime,
 };
 pub use time_function::{Samples, TimeFunction};
 
@@ -180,7 +180,7 @@ impl SolidRun {
         let time = SolidTime::read(root)?;
         let has_joints = blocks.as_ref().is_some_and(Blocks::has_joints);
         Ok(Self {
-            scheme: SchemeOptions::read(root, time.courant_number, (yields, has_joints))?,
+            scheme: SchemeOptions::read(root, &time, (yields, has_joints))?,
             time,
             blocks,
             regions,

@@ -10,13 +10,17 @@ mod ranges;
 mod source;
 
 use crate::Error;
-use crate::case::dynamics::{self as case, BoundaryFace, SolidRun, SolidTime, StateComponent};
+use crate::case::dynamics::{
+    self as case, BoundaryFace, CourantWaves, SolidRun, SolidTime, StateComponent,
+};
 use crate::case::{Case, CaseError, Material};
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
-use dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
+use dynamics::problem::{
+    DomainError, Grid, PlasticStep, Problem, SHEAR_INTERVALS, Scheme, Splitting,
+};
 use dynamics::simulation::TimeSteps;
 pub(crate) use geometry::{cell_centre, create_probe, find_containing_cell};
 use models::solid::waves::SolidField;
@@ -62,14 +66,55 @@ pub(crate) fn compute_time_steps(
     solid_run: &SolidRun,
     media: &[Medium],
 ) -> Result<TimeSteps, CaseError> {
-    let SolidTime { duration, courant_number: courant, max_rotation_deg: rotation_deg } =
-        solid_run.time;
-    let rotation = rotation_deg.to_radians();
-    let steps = TimeSteps::new(media, &solid_run.grid.spacing, courant, rotation, duration);
+    let SolidTime { duration, courant_number, max_rotation_deg: rotation_deg, .. } = solid_run.time;
+    let (rotation, spacing) = (rotation_deg.to_radians(), &solid_run.grid.spacing);
+    let courant = (courant_number, find_shear_interval(solid_run, media)?);
+    let steps = TimeSteps::new(media, spacing, courant, rotation, duration);
     steps.map_err(|error| {
         let allowed = "at most 10¹² steps: give a shorter duration, or larger cells";
         solid_run.key_error("time.duration", error.to_string(), allowed)
     })
+}
+
+/// Returns the number of steps per step of the shear waves: with `time.courant_of = "s"` the ratio of the wave speeds,
+/// else 1.
+fn find_shear_interval(solid_run: &SolidRun, media: &[Medium]) -> Result<usize, CaseError> {
+    /// Relative deviation of the ratio that counts as rounding.
+    const RATIO_ROUNDING: f64 = 1e-9;
+    if solid_run.time.courant_waves == CourantWaves::Fastest {
+        return Ok(1);
+    }
+    let refuse = |found: String| {
+        let allowed =
+            "expected c1/c2 = 2 or 3 in all of a classical solid; else leave courant_of out";
+        Err(solid_run.key_error("time.courant_of", found, allowed))
+    };
+    if media.iter().any(|medium| medium.rotation.is_some()) {
+        return refuse("the solid has spins".to_owned());
+    }
+    let mut interval = 0;
+    for medium in media {
+        let speed = |is_longitudinal: bool| {
+            let mut pairs = medium.pairs.iter().flatten();
+            let found = pairs.find(|pair| pair.is_longitudinal() == is_longitudinal);
+            found.map_or(f64::NAN, |pair| pair.speed())
+        };
+        let (longitudinal, shear) = (speed(true), speed(false));
+        let ratio = longitudinal / shear;
+        let nearest = ratio.round();
+        if !SHEAR_INTERVALS[1..].contains(&(nearest as usize))
+            || (ratio - nearest).abs() > RATIO_ROUNDING * nearest
+        {
+            return refuse(format!("the ratio c1/c2 = {longitudinal} / {shear} is {ratio}"));
+        }
+        if interval > 0 && interval != nearest as usize {
+            return refuse(format!(
+                "the ratio c1/c2 is {interval} in one solid, {ratio} in another"
+            ));
+        }
+        interval = nearest as usize;
+    }
+    Ok(interval)
 }
 
 /// Converts reconstruction, plastic step and splitting of the scheme of a case to those of the solver.
@@ -143,6 +188,7 @@ impl<const D: usize> SolidSetup<D> {
                 .iter()
                 .map(|component| component.0)
                 .collect(),
+            shear_interval: steps.shear_interval,
             ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
         };
         problem.validate().map_err(|error| locate_domain_error(solid_run, &error))?;
@@ -155,6 +201,7 @@ impl<const D: usize> SolidSetup<D> {
 fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
+        DomainError::ShearInterval(_) => "time.courant_of",
         DomainError::ConditionCount { .. } | DomainError::Periodic(_) => "boundary",
         DomainError::Load(_) => "load",
         DomainError::Source(_) => "source",

@@ -42,7 +42,8 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (cell size)"),
         ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin"),
         ("courant = 0.9", "courant = 1.5", "25: time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant number): a sweep is unstable above 1"),
-        ("courant = 0.9", "courat = 0.9", "25: time.courat: unknown key; did you mean 'courant'? allowed here: duration, courant, rotation_deg"),
+        ("courant = 0.9", "courat = 0.9", "25: time.courat: unknown key; did you mean 'courant'? allowed here: duration, courant, courant_of, rotation_deg"),
+        ("courant = 0.9", "courant_of = 'p'", "25: time.courant_of: found 'p'; allowed: fastest, s"),
         ("duration = 0.25", "duration = 0", "24: time.duration: found the integer 0; expected a positive number in s"),
         ("duration = 0.25\n", "", "23: time.duration: missing; add duration to [time]: expected a positive number in s"),
         ("[time]\nduration = 0.25\ncourant = 0.9\n", "", ": time: missing; add a section [time] with duration in s"),
@@ -158,7 +159,10 @@ fn time_domain_runs_need_a_solid_and_a_grid() {
             "boundary[2].side: found a part of x1+, which is periodic; leave the part out: a side is \
              periodic as a whole",
         ),
-        ("side = 3\n", "time.side: unknown key; allowed here: duration, courant, rotation_deg"),
+        (
+            "side = 3\n",
+            "time.side: unknown key; allowed here: duration, courant, courant_of, rotation_deg",
+        ),
     ] {
         let error = parse_case(&format!("{classical}{entry}")).unwrap_err();
         assert!(error.ends_with(end), "{error}");

@@ -27,6 +27,13 @@ pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
         .with_note("Courant number")
         .with_remark(": a sweep is unstable above 1"),
         KeySchema::new_with_default(
+            "courant_of",
+            ValueType::OneOf(|_| variant_names(CourantWaves::ALL, CourantWaves::name)),
+            "",
+            "\"fastest\"",
+            "waves of the Courant number: fastest, or s: shear waves too, in elastic solids whose longitudinal waves are 2 or 3 times as fast; they take 2 or 3 steps for each step of the shear waves",
+        ),
+        KeySchema::new_with_default(
             "rotation_deg",
             ValueType::Number(AllowedRange::PositiveUpTo(180.0)),
             "deg",
@@ -66,7 +73,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"alternating\"",
-            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints need two-cyclic",
+            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints and courant_of = \"s\" need two-cyclic",
         ),
         KeySchema::new_with_default(
             "precision",
@@ -98,8 +105,20 @@ pub struct SolidTime {
     /// Maximum Courant number (CFL number) c(Δt/2)/Δx of a sweep along an axis, with the wave speed c, the time step Δt
     /// and the cell spacing Δx; in (0, 1].
     pub courant_number: f64,
+    /// Waves to which the Courant number refers.
+    pub courant_waves: CourantWaves,
     /// Maximum angle per step of the rotation between spins and antisymmetric stress, degrees; in (0, 180].
     pub max_rotation_deg: f64,
+}
+
+named_enum! {
+    /// Waves to which the Courant number refers.
+    CourantWaves {
+        /// The fastest waves.
+        Fastest = "fastest",
+        /// Shear waves, and longitudinal waves which take several steps for each step of the shear waves.
+        Shear = "s"
+    }
 }
 
 /// Options of the numerical scheme.
@@ -179,9 +198,16 @@ impl SolidTime {
         let section = root.open_required_section(&TIME_SCHEMA)?;
         let duration = section.read_required("duration")?;
         let courant = section.read_or_default("courant")?;
+        let waves =
+            section.read_optional_choice("courant_of", CourantWaves::ALL, CourantWaves::name)?;
         let rotation_deg = section.read_or_default("rotation_deg")?;
         section.finish()?;
-        Ok(Self { duration, courant_number: courant, max_rotation_deg: rotation_deg })
+        Ok(Self {
+            duration,
+            courant_number: courant,
+            courant_waves: waves.unwrap_or(CourantWaves::Fastest),
+            max_rotation_deg: rotation_deg,
+        })
     }
 
     /// Formats the section `[time]` as TOML with all values.
@@ -189,27 +215,29 @@ impl SolidTime {
         TableWriter::default()
             .with_number("duration", self.duration)
             .with_number("courant", self.courant_number)
+            .with_text("courant_of", self.courant_waves.name())
             .with_number("rotation_deg", self.max_rotation_deg)
             .to_section_toml(&TIME_SCHEMA)
     }
 }
 
 impl SchemeOptions {
-    /// Reads the section `[scheme]`; `courant` is the Courant number, `yields` states whether at least one medium
-    /// yields, `has_joints` whether there are joints between blocks.
+    /// Reads the section `[scheme]` beside the section `[time]`; `yields` states whether at least one medium yields,
+    /// `has_joints` whether there are joints between blocks.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
     /// since plastic fronts are discontinuous. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
     /// second-order return mapping.
     pub(super) fn read(
         root: &SectionReader,
-        courant: f64,
+        time: &SolidTime,
         (yields, has_joints): (bool, bool),
     ) -> Result<Self, CaseError> {
+        let can_alternate = !has_joints && time.courant_waves == CourantWaves::Fastest;
         let order =
             if yields { ReconstructionScheme::Eno2 } else { ReconstructionScheme::FourthOrder };
         let default = |correction: ReturnMappingOrder| match correction {
-            ReturnMappingOrder::FirstOrder if courant < 1.0 && !has_joints => {
+            ReturnMappingOrder::FirstOrder if time.courant_number < 1.0 && can_alternate => {
                 DimensionalSplitting::Alternating
             }
             _ => DimensionalSplitting::TwoCyclic,
@@ -222,7 +250,7 @@ impl SchemeOptions {
             .read_optional_choice("correction", ReturnMappingOrder::ALL, ReturnMappingOrder::name)?
             .unwrap_or_default();
         let splittings: &[DimensionalSplitting] = match correction {
-            ReturnMappingOrder::FirstOrder if !has_joints => DimensionalSplitting::ALL,
+            ReturnMappingOrder::FirstOrder if can_alternate => DimensionalSplitting::ALL,
             _ => &[DimensionalSplitting::TwoCyclic],
         };
         let scheme = Self {

@@ -238,9 +238,11 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
     }
 
-    /// Returns the maximum number of steps between two checks.
+    /// Returns the maximum number of steps between two checks, a multiple of those per step of the shear waves.
     fn batch_size(&self) -> usize {
-        (MAX_BATCH_CELL_STEPS / self.problem.grid.count().max(1)).clamp(1, MAX_BATCH_STEPS)
+        let steps =
+            (MAX_BATCH_CELL_STEPS / self.problem.grid.count().max(1)).clamp(1, MAX_BATCH_STEPS);
+        steps.next_multiple_of(self.time_steps.shear_interval)
     }
 
     /// Returns time and first non-finite value of the present state of the solver.
@@ -276,8 +278,9 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     fn advance_to_fault(&mut self) -> Result<SolidFault, ThreadStartError> {
         loop {
             let sound = self.solver.snapshot();
-            self.solver.advance(1)?;
-            let account = self.compute_account(self.steps_done + 1);
+            let next = self.time_steps.shear_interval;
+            self.solver.advance(next)?;
+            let account = self.compute_account(self.steps_done + next);
             if !account.is_finite() || self.steps_done == self.time_steps.count {
                 let fault = self.locate_fault();
                 self.solver.restore(&sound);
@@ -285,7 +288,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
                 return Ok(fault);
             }
             self.collect_records(self.steps_done + 1);
-            (self.steps_done, self.account) = (self.steps_done + 1, account);
+            (self.steps_done, self.account) = (self.steps_done + next, account);
         }
     }
 }
@@ -324,7 +327,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let (step, fraction) = self.time_steps.locate(due);
         let is_between = step == self.steps_done && fraction > 0.0;
         self.fields_before_step = is_between.then(|| self.fields());
-        let next = step.saturating_sub(self.steps_done).max(1);
+        let next = step.saturating_sub(self.steps_done).max(self.time_steps.shear_interval);
         let next = next.min(self.batch_size()).min(self.time_steps.count - self.steps_done);
         self.solver.advance(next).map_err(AdvanceError::Threads)?;
         let account = self.compute_account(self.steps_done + next);
@@ -354,11 +357,16 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let mut state = Vec::with_capacity(self.probes.len() * width);
         let size = (self.watched_cells.len() * width).max(1);
         for (index, cells) in self.records.chunks_exact(size).enumerate() {
+            let step = self.first_record_step + index;
+            // Within a step of the shear waves their state is not that of the longitudinal waves.
+            if !step.is_multiple_of(self.time_steps.shear_interval) {
+                continue;
+            }
             state.clear();
             for probe in &self.probes {
                 probe.append_values(cells, width, media, cell_media, &mut state);
             }
-            deliver(self.time_steps.time(self.first_record_step + index), &state)?;
+            deliver(self.time_steps.time(step), &state)?;
         }
         self.records.clear();
         Ok(())

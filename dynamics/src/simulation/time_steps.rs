@@ -18,6 +18,11 @@ pub enum StepLimit {
 }
 
 /// Equal time steps that end with the run.
+///
+/// If shear waves have longer steps ([`Problem::shear_interval`]), states count after whole steps of the shear waves
+/// only: the number of steps is a multiple, and times are located among such steps.
+///
+/// [`Problem::shear_interval`]: crate::solid::problem::Problem::shear_interval
 #[derive(Clone, Copy, Debug)]
 pub struct TimeSteps {
     /// Number of time steps of the run.
@@ -26,6 +31,8 @@ pub struct TimeSteps {
     pub step: f64,
     /// Criterion that limits the time step Δt.
     pub limit: StepLimit,
+    /// Number of steps per step of the shear waves.
+    pub shear_interval: usize,
     /// Duration of the run, s.
     duration: f64,
 }
@@ -43,14 +50,14 @@ pub struct TooManySteps {
 impl TimeSteps {
     /// Chooses the longest steps for which each sweep (half a step along an axis) has at most the Courant number
     /// `courant` and the spin oscillation of a medium advances by a phase angle of at most `rotation`, rad, per step,
-    /// shortened to divide the `duration`, s. `spacing`: cell edges, m.
+    /// shortened to divide the `duration`, s, by a multiple of `shear_interval`. `spacing`: cell edges, m.
     ///
     /// # Errors
     /// More than 10¹² steps.
     pub fn new(
         media: &[Medium],
         spacing: &[f64],
-        courant: f64,
+        (courant, shear_interval): (f64, usize),
         rotation: f64,
         duration: f64,
     ) -> Result<Self, TooManySteps> {
@@ -64,12 +71,14 @@ impl TimeSteps {
         let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
         let by_rotation = rotation / largest(&mut { frequencies });
         let longest_step = by_waves.min(by_rotation);
-        let count = (duration / longest_step * (1.0 - 1e-12)).ceil().max(1.0);
+        let period = longest_step * shear_interval as f64;
+        let periods = (duration / period * (1.0 - 1e-12)).ceil().max(1.0);
+        let count = periods * shear_interval as f64;
         if count > MAX_STEPS {
             return Err(TooManySteps { count, longest_step });
         }
         let limit = if by_rotation < by_waves { StepLimit::Rotation } else { StepLimit::Wave };
-        Ok(Self { count: count as usize, step: duration / count, limit, duration })
+        Ok(Self { count: count as usize, step: duration / count, limit, shear_interval, duration })
     }
 
     /// Returns the time after `done` steps, s; after the last step exactly the duration, which a sum of steps would
@@ -78,16 +87,16 @@ impl TimeSteps {
         done as f64 / self.count as f64 * self.duration
     }
 
-    /// Returns the number of steps that end at or before `time`, s, and the fraction of the next step up to it, in \[0,
-    /// 1), which is 0 if a step ends at that time up to rounding.
+    /// Returns the number of steps that end at or before `time`, s, a multiple of `shear_interval`, and the fraction of
+    /// the next `shear_interval` steps up to it, in \[0, 1), which is 0 if a step ends at that time up to rounding.
     pub fn locate(&self, time: f64) -> (usize, f64) {
-        let position = time / self.duration * self.count as f64;
+        let position = time / self.duration * (self.count / self.shear_interval) as f64;
         let nearest = position.round();
         let rounding = STEP_ROUNDING + 4.0 * f64::EPSILON * position;
         if (position - nearest).abs() <= rounding {
-            return (nearest as usize, 0.0);
+            return (nearest as usize * self.shear_interval, 0.0);
         }
-        (position.floor() as usize, position - position.floor())
+        (position.floor() as usize * self.shear_interval, position - position.floor())
     }
 }
 
@@ -104,7 +113,8 @@ mod tests {
             [(0.02, 0.1, 37), (0.02, 0.1, 50), (0.03, 0.1, 7), (1.0, 0.1, 3), (1e-3, 0.1, 11)]
         {
             let step = duration / count as f64;
-            let steps = TimeSteps { count, step, limit: StepLimit::Wave, duration };
+            let limit = StepLimit::Wave;
+            let steps = TimeSteps { count, step, limit, shear_interval: 1, duration };
             let times = RegularTimes::new(interval, duration);
             let output_times: Vec<f64> = (0..).map_while(|index| times.time(index)).collect();
             assert_eq!(

@@ -45,11 +45,11 @@ impl<T: Real> BoundaryFaces<T> {
     }
 }
 
-/// Evaluates the loads on both boundaries of an axis at time `time`, s.
-pub(crate) fn set_time<T: Real>(boundaries: &mut [BoundaryFaces<T>; 2], time: f64) {
+/// Evaluates the loads on both boundaries of an axis at these times, s: those on longitudinal waves, and the others.
+pub(crate) fn set_times<T: Real>(boundaries: &mut [BoundaryFaces<T>; 2], times: [f64; 2]) {
     for boundary in boundaries {
         if let BoundaryFaces::Physical(ghost_rule) = boundary {
-            ghost_rule.set_time(time);
+            ghost_rule.set_times(times);
         }
     }
 }
@@ -91,6 +91,7 @@ struct BoundaryLoad {
     /// Shifts of these entries without the load.
     unloaded_shifts: Vec<f64>,
     signal: Signal,
+    is_longitudinal: bool,
 }
 
 impl<T: Real> GhostRule<T> {
@@ -170,8 +171,13 @@ impl<T: Real> GhostRule<T> {
         }
     }
 
-    /// Adds a load; it has no effect on non-reflecting faces.
-    pub(crate) fn add_load(&mut self, load: &Load, faces: &[(usize, LaneIndex)]) {
+    /// Adds a load, on longitudinal or other waves; it has no effect on non-reflecting faces.
+    pub(crate) fn add_load(
+        &mut self,
+        load: &Load,
+        is_longitudinal: bool,
+        faces: &[(usize, LaneIndex)],
+    ) {
         let (mut entries, mut unloaded_shifts) = (Vec::new(), Vec::new());
         for &(face, amplitude) in &load.faces {
             let from = faces.partition_point(|own| own.0 < face);
@@ -187,13 +193,14 @@ impl<T: Real> GhostRule<T> {
             }
         }
         if !entries.is_empty() {
-            self.loads.push(BoundaryLoad { entries, unloaded_shifts, signal: load.signal.clone() });
+            let signal = load.signal.clone();
+            self.loads.push(BoundaryLoad { entries, unloaded_shifts, signal, is_longitudinal });
             self.can_do_work = true;
         }
     }
 
-    /// Evaluates the shifts at time `time`, s.
-    pub(crate) fn set_time(&mut self, time: f64) {
+    /// Evaluates the shifts at these times, s: those of longitudinal waves, and the others.
+    pub(crate) fn set_times(&mut self, [longitudinal, other]: [f64; 2]) {
         for load in &self.loads {
             for (&((rule_index, lane), shift_index, _), &unloaded_shift) in
                 load.entries.iter().zip(&load.unloaded_shifts)
@@ -202,7 +209,7 @@ impl<T: Real> GhostRule<T> {
             }
         }
         for load in &self.loads {
-            let value = (load.signal)(time);
+            let value = (load.signal)(if load.is_longitudinal { longitudinal } else { other });
             for &((rule_index, lane), shift_index, amplitude) in &load.entries {
                 let shift = &mut self.rules[rule_index][shift_index].lanes_mut()[lane];
                 *shift = *shift + T::from_f64(amplitude * value);

@@ -201,7 +201,7 @@ mod tests {
             cells: &line_cells,
             accounts: Some(&mut accounts),
         };
-        let interval = Interval { end: 1.0, step: 1.0 };
+        let interval = Interval::new(1.0, 1.0);
         sweep_with_interlayers([line], slopes, &mut emitters, &interval);
         accounts.iter().sum::<SweepAccount>().dissipation
     }

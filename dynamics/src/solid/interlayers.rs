@@ -97,6 +97,15 @@ impl<N: Number> InterlayerLaw<N> {
         }
     }
 
+    /// Returns the number of history variables of the normal component, which come first, if the law is one for plane
+    /// strain with independent components; else `None`.
+    pub(crate) fn normal_variable_count(&self) -> Option<usize> {
+        match self {
+            Self::Plane(law, _) => law.normal_variable_count(),
+            Self::Elastic(_) => None,
+        }
+    }
+
     /// Returns the elastic law of the first `P` components, those of the wave pairs of an axis.
     #[inline(always)]
     pub(crate) fn elastic_layer<const P: usize>(

@@ -43,4 +43,5 @@ pub mod reference;
 pub mod region;
 mod restriction;
 mod riemann;
+mod shear_steps;
 pub mod snapshot;

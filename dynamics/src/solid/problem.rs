@@ -7,8 +7,11 @@ use crate::solid::medium::Medium;
 use crate::solid::metric::Metric;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::region::Region;
+use crate::solid::shear_steps::ShearSteps;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
+
+pub use crate::solid::shear_steps::SHEAR_INTERVALS;
 
 /// Uniform rectangular grid of `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,10 +141,14 @@ pub struct Problem<const D: usize> {
     pub interlayers: Vec<Interlayers>,
     /// Cell lengths and curvatures by layer of a plane block, if not uniform.
     pub metric: Option<Metric>,
+    /// Number n of steps per step of the shear waves, one of [`SHEAR_INTERVALS`]: they are swept in one of n steps, by n
+    /// steps at once. The state is complete after each multiple of n steps.
+    pub shear_interval: usize,
 }
 
 impl<const D: usize> Problem<D> {
-    /// Creates a problem without loads, sources, acceleration, initial stress, time integrals, interlayers and metric.
+    /// Creates a problem without loads, sources, acceleration, initial stress, time integrals, interlayers and metric,
+    /// with the same step for all waves.
     pub fn new(
         grid: Grid<D>,
         media: Vec<Medium>,
@@ -164,6 +171,7 @@ impl<const D: usize> Problem<D> {
             integrated_fields: Vec::new(),
             interlayers: Vec::new(),
             metric: None,
+            shear_interval: 1,
         }
     }
 
@@ -218,8 +226,11 @@ impl<const D: usize> Problem<D> {
             return Err(DomainError::UnknownMedium { cell, medium, count });
         }
         self.check_metric()?;
+        self.check_shear_interval()?;
+        let steps = ShearSteps::new(self);
         for (axis, boundaries_of_axis) in self.boundaries.iter().enumerate() {
-            let speeds = self.media.iter().flat_map(|m| &m.pairs[axis]).map(|pair| pair.speed());
+            let pairs = self.media.iter().flat_map(|m| &m.pairs[axis]);
+            let speeds = pairs.map(|pair| 2.0 * steps.sweep_fractions(pair)[0] * pair.speed());
             let spacing = match &self.metric {
                 Some(metric) if axis == 0 => metric.min_spacing(),
                 _ => self.grid.spacing[axis],
@@ -276,6 +287,26 @@ impl<const D: usize> Problem<D> {
         }
         if is_curved && self.acceleration != [0.0; D] {
             return refuse("an acceleration has no one direction in a curved block");
+        }
+        Ok(())
+    }
+
+    /// Checks that shear waves may have steps of their own, if they have.
+    fn check_shear_interval(&self) -> Result<(), DomainError> {
+        let refuse = |reason| Err(DomainError::ShearInterval(reason));
+        if !SHEAR_INTERVALS.contains(&self.shear_interval) {
+            return refuse("it must be 1, 2 or 3");
+        }
+        if self.shear_interval == 1 {
+            return Ok(());
+        }
+        if self.scheme.is_alternating() || self.metric.is_some() {
+            return refuse("it needs a rectangular block and two-cyclic sweeps");
+        }
+        let has_independent_components =
+            |own: &Interlayers| own.laws.iter().all(|law| law.normal_variable_count().is_some());
+        if !self.interlayers.iter().all(has_independent_components) {
+            return refuse("interlayers must have independent normal and tangential components");
         }
         Ok(())
     }
@@ -444,6 +475,9 @@ pub enum DomainError {
         /// Minimum number of cells of a subdomain.
         min_cells: usize,
     },
+    /// A number of steps per step of the shear waves that is not possible, with the reason.
+    #[error("number of steps per step of the shear waves: {0}")]
+    ShearInterval(&'static str),
     /// Invalid interlayers.
     #[error("interlayers {index}: {reason}")]
     Interlayers {

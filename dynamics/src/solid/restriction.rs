@@ -66,6 +66,7 @@ impl<const D: usize> Problem<D> {
             integrated_fields: self.integrated_fields.clone(),
             interlayers: self.interlayers.clone(),
             metric: self.metric.clone(),
+            shear_interval: self.shear_interval,
         })
     }
 }

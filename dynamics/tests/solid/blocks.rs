@@ -5,7 +5,7 @@
 //! dimension.
 
 use crate::support::interlayers::{
-    count_saturated_junctions, elastic_component, random_interlayers,
+    count_saturated_junctions, elastic_component, random_interlayers, set_shear_interval,
 };
 use crate::support::media::{classical, cosserat};
 use crate::support::noise;
@@ -110,11 +110,13 @@ fn random_block_problem<const D: usize>(number: usize) -> (Problem<D>, String) {
             &media[0],
         ));
     }
-    let description = format!(
-        "{number}: {cells:?}, {boundaries:?}, courant {courant}, {scheme:?}, {interlayers:?}"
-    );
-    let problem =
+    let mut problem =
         Problem { interlayers, ..Problem::new(grid, media, cell_media, boundaries, step, scheme) };
+    set_shear_interval(&mut random, &mut problem);
+    let Problem { boundaries, interlayers, shear_interval, .. } = &problem;
+    let description = format!(
+        "{number}: {cells:?}, {boundaries:?}, courant {courant}, shear interval {shear_interval}, {scheme:?}, {interlayers:?}"
+    );
     (problem, description)
 }
 
@@ -413,7 +415,7 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
                     cells: &cells,
                     accounts: None,
                 };
-                let interval = Interval { end: 1.0, step: 0.5 * step };
+                let interval = Interval::new(1.0, 0.5 * step);
                 sweep_with_interlayers([line], slopes, &mut layers, &interval);
                 v = line_velocity[GHOSTS..GHOSTS + count].to_vec();
                 s = line_stress[GHOSTS..GHOSTS + count].to_vec();

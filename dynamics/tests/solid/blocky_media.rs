@@ -2,18 +2,17 @@
 //! of a chain of blocks, and an interlayer between half-spaces of unequal impedances.
 
 use crate::support::blocky::{
-    BLOCK_LENGTH, ROCK_DENSITY, ROCK_SPEEDS, THICKNESSES, layer_material, rock,
+    BLOCK_LENGTH, ROCK_DENSITY, ROCK_SPEEDS, THICKNESSES, elastic_layer, layer_material,
 };
 use crate::support::chain::{BlockChain, ChainState};
 use crate::support::interlayers::{elastic_component, layers_of_all_kinds};
 use crate::support::random::NoiseSequence;
 use models::interface::elastic::ElasticLayer;
-use models::interface::history::{NORMAL_MOTION, NORMAL_STATE};
+use models::interface::history::{NORMAL_MOTION, NORMAL_STATE, SHEAR_MOTION, SHEAR_STRESS};
 use models::interface::layer::LayerLaw;
-use models::interface::parameters::{LayerMaterial, MassDistribution};
 use models::interface::{FaceLaw, FaceState, Interval, RiemannData};
 use models::solid::parameters::Isotropic;
-use models::solid::waves::SolidField;
+use models::solid::waves::{SolidField, VelocityStressPair};
 use std::f64::consts::{PI, TAU};
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::decomposition::DecomposedDomain;
@@ -29,110 +28,165 @@ const LINE_COUNT: usize = 3;
 const CELLS_PER_BLOCK: usize = 10;
 const BLOCK_COUNT: usize = 8;
 
-/// Returns the chain of the rock with interlayers of a thickness, m, for P waves; time in sweeps, stress in units of
-/// the impedance of the rock times a velocity.
-fn build_longitudinal_chain(thickness: f64) -> BlockChain {
-    let z = ROCK_DENSITY * ROCK_SPEEDS[0];
-    let sweep = BLOCK_LENGTH / CELLS_PER_BLOCK as f64 / ROCK_SPEEDS[0];
-    let material = layer_material(thickness);
-    let law =
-        elastic_component(material.mass() / (z * sweep), material.normal_compliance() * z / sweep);
-    BlockChain {
-        cells_per_block: CELLS_PER_BLOCK,
-        block_count: BLOCK_COUNT,
-        z: 1.0,
-        law,
-        step: 1.0,
-    }
+/// Waves of a chain along an axis: those with the velocity component `component`, 0 normal and 1 tangential to the
+/// interlayers, in rock whose P waves have `speeds[0]` and whose S waves `speeds[1]`, m/s; shear waves are swept in one
+/// of `shear_interval` steps.
+#[derive(Clone, Copy, Debug)]
+struct ChainWaves {
+    axis: usize,
+    component: usize,
+    speeds: [f64; 2],
+    shear_interval: usize,
+    /// Thickness of the interlayers, m.
+    thickness: f64,
 }
 
-/// Returns the problem of a periodic chain along an axis.
-fn build_chain_problem(axis: usize, thickness: f64) -> Problem<2> {
-    let mut cells = [LINE_COUNT; 2];
-    cells[axis] = BLOCK_COUNT * CELLS_PER_BLOCK;
-    let spacing = BLOCK_LENGTH / CELLS_PER_BLOCK as f64;
-    let law = LayerMaterial::Elastic(layer_material(thickness)).to_law(MassDistribution::Box);
-    let law = InterlayerLaw::Plane(law, axis);
-    let interlayers = Interlayers::new_regular(axis, cells[axis], [0, CELLS_PER_BLOCK], law);
-    let boundaries = [0, 1].map(|_| [Boundary::Periodic, Boundary::Periodic]);
-    let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
-    let grid = Grid { cells, spacing: [spacing; 2] };
-    let (count, step) = (grid.count(), 2.0 * spacing / ROCK_SPEEDS[0]);
-    Problem {
-        interlayers: vec![interlayers],
-        ..Problem::new(grid, vec![rock()], vec![0; count], boundaries, step, scheme)
+impl ChainWaves {
+    /// Impedance of the rock, kg/(m²s).
+    fn impedance(&self) -> f64 {
+        ROCK_DENSITY * self.speeds[self.component]
     }
-}
 
-/// Returns the coordinate of a cell of a problem along an axis.
-fn cell_coordinate(problem: &Problem<2>, axis: usize, cell: usize) -> usize {
-    [cell % problem.grid.cells[0], cell / problem.grid.cells[0]][axis]
-}
-
-/// Sets the cells and interlayers of a domain to a state of a chain.
-fn set_chain_state(
-    domain: &mut Domain<f64, 2>,
-    (problem, axis): (&Problem<2>, usize),
-    state: &ChainState,
-) {
-    let z = ROCK_DENSITY * ROCK_SPEEDS[0];
-    let cell_values = |values: &[f64], factor: f64| -> Vec<f64> {
-        let value = |cell| factor * values[cell_coordinate(problem, axis, cell)];
-        (0..problem.grid.count()).map(value).collect()
-    };
-    let pair = &problem.media[0].pairs[axis][axis];
-    domain.set_field(pair.velocity, &cell_values(&state.velocity, 1.0));
-    domain.set_field(pair.stress, &cell_values(&state.stress, z));
-    for (field, ratio) in &pair.passive_stresses {
-        domain.set_field(*field, &cell_values(&state.stress, ratio * z));
+    /// Duration of a sweep of these waves at Courant number 1, s.
+    fn sweep(&self) -> f64 {
+        BLOCK_LENGTH / CELLS_PER_BLOCK as f64 / self.speeds[self.component]
     }
-    let mut history = Vec::new();
-    for face in problem.interlayer_faces() {
-        let [velocity, stress] =
-            state.layers[cell_coordinate(problem, axis, face.cell) / CELLS_PER_BLOCK];
-        history.resize(face.history.end, 0.0);
-        history[face.history.start + NORMAL_MOTION] = velocity;
-        history[face.history.start + NORMAL_STATE] = z * stress;
-    }
-    domain.set_interlayer_history(&mut history.into_iter());
-}
 
-/// Computes the largest deviation of a domain from a state of a chain, all fields included.
-fn chain_deviation(
-    domain: &Domain<f64, 2>,
-    (problem, axis): (&Problem<2>, usize),
-    state: &ChainState,
-) -> f64 {
-    let z = ROCK_DENSITY * ROCK_SPEEDS[0];
-    let pair = &problem.media[0].pairs[axis][axis];
-    let mut max_deviation = 0.0f64;
-    for field in domain.fields() {
-        let passive = pair.passive_stresses.iter().find(|passive| passive.0 == *field);
-        let (expected, factor, unit) = match passive {
-            Some((_, ratio)) => (&state.stress, *ratio, z),
-            None if *field == pair.velocity => (&state.velocity, 1.0, 1.0),
-            None if *field == pair.stress => (&state.stress, 1.0, z),
-            None => (&state.stress, 0.0, z),
-        };
-        for (cell, value) in domain.values(*field).expect("a field").iter().enumerate() {
-            let expected = factor * expected[cell_coordinate(problem, axis, cell)];
-            max_deviation = max_deviation.max((value / unit - expected).abs());
+    /// Returns the chain with time in sweeps, and stress in units of the impedance of the rock times a velocity.
+    fn chain(&self) -> BlockChain {
+        let (z, sweep) = (self.impedance(), self.sweep());
+        let material = layer_material(self.thickness);
+        let compliances = [material.normal_compliance(), material.tangential_compliance()];
+        let law = elastic_component(
+            material.mass() / (z * sweep),
+            compliances[self.component] * z / sweep,
+        );
+        BlockChain {
+            cells_per_block: CELLS_PER_BLOCK,
+            block_count: BLOCK_COUNT,
+            z: 1.0,
+            law,
+            step: 1.0,
         }
     }
-    let history = domain.interlayer_history();
-    for face in problem.interlayer_faces() {
-        let variables = &history[face.history.clone()];
-        let [velocity, stress] =
-            state.layers[cell_coordinate(problem, axis, face.cell) / CELLS_PER_BLOCK];
-        max_deviation = max_deviation.max((variables[NORMAL_MOTION] - velocity).abs());
-        max_deviation = max_deviation.max((variables[NORMAL_STATE] / z - stress).abs());
+
+    /// Returns the problem of the periodic chain.
+    fn problem(&self) -> Problem<2> {
+        let axis = self.axis;
+        let mut cells = [LINE_COUNT; 2];
+        cells[axis] = BLOCK_COUNT * CELLS_PER_BLOCK;
+        let spacing = BLOCK_LENGTH / CELLS_PER_BLOCK as f64;
+        let law = InterlayerLaw::Plane(elastic_layer(self.thickness), axis);
+        let interlayers = Interlayers::new_regular(axis, cells[axis], [0, CELLS_PER_BLOCK], law);
+        let boundaries = [0, 1].map(|_| [Boundary::Periodic, Boundary::Periodic]);
+        let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
+        let grid = Grid { cells, spacing: [spacing; 2] };
+        let (count, step) = (grid.count(), 2.0 * spacing / self.speeds[0]);
+        let [longitudinal, shear] = self.speeds.map(|speed| ROCK_DENSITY * speed * speed);
+        let solid = Isotropic::new(longitudinal - 2.0 * shear, shear, ROCK_DENSITY, None);
+        let rock = Medium::new(solid.expect("sound moduli"), 2);
+        Problem {
+            interlayers: vec![interlayers],
+            shear_interval: self.shear_interval,
+            ..Problem::new(grid, vec![rock], vec![0; count], boundaries, step, scheme)
+        }
     }
-    max_deviation
+
+    /// Wave pair of these waves.
+    fn pair<'a>(&self, problem: &'a Problem<2>) -> &'a VelocityStressPair {
+        let index = [self.axis, 1 - self.axis][self.component];
+        &problem.media[0].pairs[self.axis][index]
+    }
+
+    /// Indices of the history variables velocity and stress of these waves.
+    fn history_indices(&self) -> [usize; 2] {
+        [[NORMAL_MOTION, NORMAL_STATE], [SHEAR_MOTION, SHEAR_STRESS]][self.component]
+    }
+
+    /// Returns the coordinate of a cell of a problem along the axis.
+    fn coordinate(&self, problem: &Problem<2>, cell: usize) -> usize {
+        [cell % problem.grid.cells[0], cell / problem.grid.cells[0]][self.axis]
+    }
+
+    /// Sets the cells and interlayers of a domain to a state of the chain.
+    fn set_state(&self, domain: &mut Domain<f64, 2>, problem: &Problem<2>, state: &ChainState) {
+        let z = self.impedance();
+        let cell_values = |values: &[f64], factor: f64| -> Vec<f64> {
+            let value = |cell| factor * values[self.coordinate(problem, cell)];
+            (0..problem.grid.count()).map(value).collect()
+        };
+        let pair = self.pair(problem);
+        domain.set_field(pair.velocity, &cell_values(&state.velocity, 1.0));
+        domain.set_field(pair.stress, &cell_values(&state.stress, z));
+        for (field, ratio) in &pair.passive_stresses {
+            domain.set_field(*field, &cell_values(&state.stress, ratio * z));
+        }
+        let (mut history, [velocity_index, stress_index]) = (Vec::new(), self.history_indices());
+        for face in problem.interlayer_faces() {
+            let [velocity, stress] =
+                state.layers[self.coordinate(problem, face.cell) / CELLS_PER_BLOCK];
+            history.resize(face.history.end, 0.0);
+            history[face.history.start + velocity_index] = velocity;
+            history[face.history.start + stress_index] = z * stress;
+        }
+        domain.set_interlayer_history(&mut history.into_iter());
+    }
+
+    /// Computes the largest deviation of a domain from a state of the chain, all fields included.
+    fn deviation(&self, domain: &Domain<f64, 2>, problem: &Problem<2>, state: &ChainState) -> f64 {
+        let z = self.impedance();
+        let pair = self.pair(problem);
+        let mut max_deviation = 0.0f64;
+        for field in domain.fields() {
+            let passive = pair.passive_stresses.iter().find(|passive| passive.0 == *field);
+            let (expected, factor, unit) = match passive {
+                Some((_, ratio)) => (&state.stress, *ratio, z),
+                None if *field == pair.velocity => (&state.velocity, 1.0, 1.0),
+                None if *field == pair.stress => (&state.stress, 1.0, z),
+                None => (&state.stress, 0.0, z),
+            };
+            for (cell, value) in domain.values(*field).expect("a field").iter().enumerate() {
+                let expected = factor * expected[self.coordinate(problem, cell)];
+                max_deviation = max_deviation.max((value / unit - expected).abs());
+            }
+        }
+        let (history, [velocity_index, stress_index]) =
+            (domain.interlayer_history(), self.history_indices());
+        for face in problem.interlayer_faces() {
+            let variables = &history[face.history.clone()];
+            let [velocity, stress] =
+                state.layers[self.coordinate(problem, face.cell) / CELLS_PER_BLOCK];
+            max_deviation = max_deviation.max((variables[velocity_index] - velocity).abs());
+            max_deviation = max_deviation.max((variables[stress_index] / z - stress).abs());
+        }
+        max_deviation
+    }
+
+    /// Computes the largest deviation from a mode, by its amplitude, in 2000 steps (4000 sweeps) of these waves, and
+    /// the frequency of the mode, rad/s. Rounding errors of a sweep are a few 1e-16 of the amplitude and add up linearly
+    /// at most: 4000 sweeps stay below 1e-11.
+    fn verify_mode(&self, phase: f64, branch: usize) -> f64 {
+        let (problem, chain) = (self.problem(), self.chain());
+        let frequency = chain.mode_frequency(phase, branch);
+        let mode = chain.mode(frequency, phase);
+        let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
+        self.set_state(&mut domain, &problem, &mode.state(0));
+        let mut error = 0.0f64;
+        for _ in 0..40 {
+            (0..50 * self.shear_interval).for_each(|_| domain.advance());
+            let sweeps = (domain.time() / self.sweep()).round() as usize;
+            error = error.max(self.deviation(&domain, &problem, &mode.state(sweeps)));
+        }
+        let error = error / mode.amplitude();
+        let frequency = frequency / self.sweep();
+        println!("{self:?}, branch {branch}, κh {phase:.4}: {:.5} kHz, {error:e}", frequency / TAU);
+        assert!(error < 1e-11, "{error:e}");
+        frequency
+    }
 }
 
-/// Verifies that P modes of a chain oscillate as e^{iωt} with ω of the discrete Bloch relation over 2000 steps (4000
-/// sweeps) of the two-dimensional solver, along both axes, band edges included. Rounding errors of a sweep are a few
-/// 1e-16 of the amplitude and add up linearly at most: 4000 sweeps stay below 1e-11.
+/// Verifies that P modes of a chain oscillate as e^{iωt} with ω of the discrete Bloch relation over 2000 steps of the
+/// two-dimensional solver, along both axes, band edges included.
 #[test]
 fn modes_of_a_chain_of_blocks_have_the_frequencies_of_the_bloch_relation() {
     // Frequencies of the lowest branch at κh = π/4, π/2, π, kHz, of the equations before their discretisation.
@@ -141,44 +195,46 @@ fn modes_of_a_chain_of_blocks_have_the_frequencies_of_the_bloch_relation() {
         [8.96731, 17.56580, 28.44161],
         [5.11290, 9.73241, 14.47159],
     ];
-    let sweep = BLOCK_LENGTH / CELLS_PER_BLOCK as f64 / ROCK_SPEEDS[0];
-    let mut max_error = 0.0f64;
     for (thickness, frequencies) in THICKNESSES.into_iter().zip(continuous_frequencies) {
-        let chain = build_longitudinal_chain(thickness);
         for (branch, axis) in [(0, 0), (1, 1)] {
-            let problem = build_chain_problem(axis, thickness);
+            let waves = ChainWaves {
+                axis,
+                component: 0,
+                speeds: ROCK_SPEEDS,
+                shear_interval: 1,
+                thickness,
+            };
             for (phase, continuous_frequency) in
                 [0.25 * PI, 0.5 * PI, PI].into_iter().zip(frequencies)
             {
-                let frequency = chain.mode_frequency(phase, branch);
-                let mode = chain.mode(frequency, phase);
-                let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
-                set_chain_state(&mut domain, (&problem, axis), &mode.state(0));
-                let mut error = 0.0f64;
-                for _ in 0..40 {
-                    (0..50).for_each(|_| domain.advance());
-                    let sweeps = (domain.time() / sweep).round() as usize;
-                    let state = mode.state(sweeps);
-                    error = error.max(chain_deviation(&domain, (&problem, axis), &state));
-                }
-                let error = error / mode.amplitude();
-                let kilohertz = frequency / (TAU * sweep) / 1e3;
-                println!(
-                    "δ {thickness}, branch {branch}, κh {phase:.4}: {kilohertz:.5} kHz, {error:e}"
-                );
-                assert!(error < 1e-11, "{error:e}");
-                max_error = max_error.max(error);
+                let frequency = waves.verify_mode(phase, branch);
                 if branch == 0 {
                     // The scheme replaces ω in the layers by (2/Δt) tan ½ωΔt, larger by the relative amount
                     // (ωΔt)²/12 + …; it lowers the frequency by less than that.
-                    let bound = frequency * frequency / 10.0;
-                    let relative = 1.0 - kilohertz / continuous_frequency;
+                    let bound = (frequency * waves.sweep()).powi(2) / 10.0;
+                    let relative = 1.0 - frequency / (TAU * 1e3) / continuous_frequency;
                     assert!((-1e-6..bound).contains(&relative), "{relative} {bound}");
                 }
             }
         }
     }
-    println!("{max_error:e}");
+}
+
+/// Verifies the same for S modes, which have Courant number 1 if P waves are 2 or 3 times as fast and shear waves are
+/// swept in one of as many steps; P modes of that scheme remain exact, too.
+#[test]
+fn shear_modes_of_a_chain_of_blocks_have_the_frequencies_of_the_bloch_relation() {
+    for thickness in THICKNESSES {
+        for (branch, axis, shear_interval) in [(0, 0, 2), (1, 1, 2), (0, 1, 3), (1, 0, 3)] {
+            for phase in [0.25 * PI, 0.5 * PI, PI] {
+                for component in [1, 0] {
+                    let speeds = [ROCK_SPEEDS[1] * shear_interval as f64, ROCK_SPEEDS[1]];
+                    let waves = ChainWaves { axis, component, speeds, shear_interval, thickness };
+                    waves.verify_mode(phase, branch);
+                }
+            }
+        }
+    }
 }
 
 /// Half-spaces with an interlayer normal to the first axis between them. P waves have Courant number 1 in both.
@@ -254,7 +310,7 @@ impl HalfSpaces {
             };
             // Waves of shear have half the speed; their impedance has no effect without shear.
             let shear = RiemannData { impedance: impedance.map(|z| 0.5 * z), invariant: [0.0; 2] };
-            let interval = Interval { end: (sweep + 1) as f64, step: 1.0 };
+            let interval = Interval::new((sweep + 1) as f64, 1.0);
             states.push(self.law.advance(&[normal, shear], &interval, &mut history)[0]);
             histories.push(history.clone());
         }

@@ -5,7 +5,7 @@
 //! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test solid configurations::` runs 20,000 problems
 //! in each of the four tests.
 
-use crate::support::interlayers::random_interlayers;
+use crate::support::interlayers::{random_interlayers, set_shear_interval};
 use crate::support::media::{cubic_compliances, scaled_isotropic};
 use crate::support::noise;
 use crate::support::random::NoiseSequence;
@@ -223,6 +223,7 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     if random.is_one_in(2) {
         add_interlayers(random, &mut problem);
     }
+    set_shear_interval(random, &mut problem);
     problem
 }
 

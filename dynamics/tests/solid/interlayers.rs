@@ -75,7 +75,7 @@ impl InterlayerLine {
             cells: &cells,
             accounts: Some(&mut accounts),
         };
-        sweep_with_interlayers([line], slopes, &mut layers, &Interval { end: 1.0, step });
+        sweep_with_interlayers([line], slopes, &mut layers, &Interval::new(1.0, step));
         let interior = GHOSTS..GHOSTS + count;
         self.velocity.copy_from_slice(&velocity[interior.clone()]);
         self.stress.copy_from_slice(&stress[interior.clone()]);

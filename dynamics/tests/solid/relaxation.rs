@@ -567,7 +567,7 @@ fn viscous_strains_belong_to_the_state() {
     domain.set_field(strain, &values);
     assert_eq!(domain.first_non_finite(), Some((strain, 40)));
 
-    let steps = TimeSteps::new(&problem.media, &[0.1; 2], 0.9, 1.0, 1.0).expect("few steps");
+    let steps = TimeSteps::new(&problem.media, &[0.1; 2], (0.9, 1), 1.0, 1.0).expect("few steps");
     let problem = Problem { step: steps.step, ..problem };
     for choice in [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference] {
         let create_simulation = || {

@@ -139,7 +139,7 @@ fn pulse_simulation_with_duration(
 ) -> SolidSimulation<f64, 2> {
     let medium = Medium::new(Isotropic::new(1.4, 0.9, 1.2, None).expect("moduli"), 2);
     let (cells, spacing) = ([20, 12], [0.1, 0.1]);
-    let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, duration);
+    let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, (0.9, 1), 1.0, duration);
     let steps = steps.expect("few steps");
     let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);

@@ -148,7 +148,7 @@ impl<N: Number, const P: usize> FaceLaw<N, P> for ElasticLayer<N, P> {
         for index in 0..P {
             states[index] = self.components[index].advance(
                 incoming[index],
-                interval.step,
+                if index == 0 { interval.step } else { interval.tangential_step },
                 &mut components[index],
             );
         }

@@ -251,6 +251,15 @@ impl<N: Number> LayerLaw<N> {
         for_each_kind!(self, law => count_variables::<N, _>(law))
     }
 
+    /// Number of history variables of the normal component, which come first, if the components are independent;
+    /// `None` if they are coupled.
+    pub fn normal_variable_count(&self) -> Option<usize> {
+        match self {
+            Self::Elastic(_) | Self::Viscous(_) | Self::Porous(_) => Some(history::SHEAR_MOTION),
+            Self::Plastic(_) | Self::Saturated(_) | Self::Cracked(_) | Self::Breaking(_) => None,
+        }
+    }
+
     /// Constants of the flow of the fluid along the layer; `None` unless it is saturated.
     pub fn fluid(&self) -> Option<&FluidConstants<N>> {
         match self {

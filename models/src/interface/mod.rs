@@ -64,6 +64,16 @@ pub struct Interval<N> {
     pub end: N,
     /// Duration Δt, s.
     pub step: N,
+    /// Duration of the step of tangential components, s: Δt, or a multiple if the solver sweeps shear waves in longer
+    /// steps. Laws that couple the components need equal durations and use Δt for both.
+    pub tangential_step: N,
+}
+
+impl<N: Copy> Interval<N> {
+    /// Returns the interval of a step of duration `step`, s, of all components, that ends at the time `end`, s.
+    pub fn new(end: N, step: N) -> Self {
+        Self { end, step, tangential_step: step }
+    }
 }
 
 /// Energy of a face and energy that it has dissipated since the start, J/m².

@@ -219,11 +219,11 @@ impl<N: Number> TangentialComponent<N> {
             Self::Elastic(elastic) => {
                 let start = history::SHEAR_MOTION;
                 let mut shear = [history[start], history[start + 1], history[start + 2]];
-                let states = elastic.advance(incoming, interval.step, &mut shear);
+                let states = elastic.advance(incoming, interval.tangential_step, &mut shear);
                 history[start..start + shear.len()].copy_from_slice(&shear);
                 states
             }
-            Self::Viscous(viscous) => viscous.advance(incoming, interval.step, history),
+            Self::Viscous(viscous) => viscous.advance(incoming, interval.tangential_step, history),
             Self::Plastic(elastic, cone) => {
                 advance_cohesive(elastic, cone, incoming, interval, history)
             }
@@ -240,7 +240,7 @@ fn advance_cohesive<N: Number>(
     interval: &Interval<N>,
     history: &mut [N],
 ) -> [FaceState<N>; 2] {
-    let step = interval.step;
+    let step = interval.tangential_step;
     let stress = history[history::SHEAR_STRESS];
     let old = read_motion(history, history::SHEAR_MOTION);
     let line = OpeningLine::new(incoming, elastic.mass, old, step);

@@ -120,7 +120,7 @@ impl<N: Number> FaceLaw<N, 2> for ViscousLayer<N> {
         let mut normal = [history[0], history[1], history[2]];
         let states = self.normal.advance(incoming[0], interval.step, &mut normal);
         history[..COMPONENT_VARIABLE_COUNT].copy_from_slice(&normal);
-        [states, self.shear.advance(incoming[1], interval.step, history)]
+        [states, self.shear.advance(incoming[1], interval.tangential_step, history)]
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {

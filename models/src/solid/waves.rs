@@ -69,6 +69,11 @@ impl VelocityStressPair {
         (self.modulus / self.inertia).sqrt()
     }
 
+    /// Whether the pair is that of longitudinal waves, with a normal stress.
+    pub fn is_longitudinal(&self) -> bool {
+        matches!(self.stress, Stress(i, j) if i == j)
+    }
+
     /// Impedance z = mc, kg/(m²s) for translations and kg/s for spins.
     pub fn impedance(&self) -> f64 {
         (self.inertia * self.modulus).sqrt()

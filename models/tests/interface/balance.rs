@@ -106,8 +106,8 @@ fn ledger_error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f6
             impedance: data.impedance.map(N::from_f64),
             invariant: data.invariant.map(N::from_f64),
         });
-        let Interval { end, step } = step_interval(number, TIME_STEP);
-        let interval = Interval { end: N::from_f64(end), step: N::from_f64(step) };
+        let Interval { end, step, .. } = step_interval(number, TIME_STEP);
+        let interval = Interval::new(N::from_f64(end), N::from_f64(step));
         let states = law.advance(&incoming, &interval, &mut history);
         for states in &states {
             work += TIME_STEP * to_f64(power(states));
@@ -146,7 +146,7 @@ fn ledger_is_accurate_with_the_constants_of_the_registry() {
                 invariant: loads[i].invariant.map(|x| N::from_f64(0.5 * impedances[i] * x)),
             });
             let end = N::from_f64((number + 1) as f64 * step);
-            let interval = Interval { end, step: N::from_f64(step) };
+            let interval = Interval::new(end, N::from_f64(step));
             for states in &law.advance(&incoming, &interval, &mut history) {
                 work += step * to_f64(power(states));
                 passed += step * to_f64(power(states)).abs();
@@ -196,10 +196,8 @@ fn lanes_agree_bitwise_with_scalars() {
                         }))
                     }),
                 });
-                let time = Interval {
-                    end: TwoLanes::from_f64(time.end),
-                    step: TwoLanes::from_f64(time.step),
-                };
+                let time =
+                    Interval::new(TwoLanes::from_f64(time.end), TwoLanes::from_f64(time.step));
                 let found = lanes.advance(&joined, &time, &mut paired);
                 for lane in 0..2 {
                     for component in 0..2 {

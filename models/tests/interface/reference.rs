@@ -308,7 +308,7 @@ fn solve_face(
                 (5.0 * (loads[0][i][side] + loads[2][i][side]) + 8.0 * loads[1][i][side]) / 18.0
             }),
         });
-        let interval = Interval { end: (number + 1) as f64 * step, step };
+        let interval = Interval::new((number + 1) as f64 * step, step);
         law.advance(&incoming, &interval, &mut history);
     }
     let fluid = if is_saturated { history[history::FLUID_VELOCITY] } else { 0.0 };

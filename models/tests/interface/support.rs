@@ -132,7 +132,7 @@ pub fn initial_history(law: &LayerLaw<f64>, velocities: [[f64; 2]; 2]) -> Histor
 
 /// Time interval of the step `number`, counted from 0.
 pub fn step_interval(number: usize, step: f64) -> Interval<f64> {
-    Interval { end: (number + 1) as f64 * step, step }
+    Interval::new((number + 1) as f64 * step, step)
 }
 
 /// Number type of two lanes of doubles.

@@ -20,6 +20,7 @@ impl Display for SimulationPlan {
                 step_count: steps,
                 time_step,
                 step_limit: limit,
+                shear_interval,
             } => {
                 let cells: Vec<String> = cells.iter().map(usize::to_string).collect();
                 write!(
@@ -31,7 +32,11 @@ impl Display for SimulationPlan {
                         StepLimit::Rotation => "limited by the natural rotation",
                         StepLimit::Wave => "limited by the fastest wave",
                     },
-                )
+                )?;
+                match shear_interval {
+                    1 => Ok(()),
+                    _ => write!(formatter, ", {shear_interval} for each of the shear waves"),
+                }
             }
             ProblemSize::Flow {
                 point_counts: [first, second],

@@ -3,7 +3,7 @@
 use super::GridConverter;
 use super::geometry::is_periodic;
 use crate::Error;
-use crate::case::dynamics::{Blocks, JointEntry, JointSelector};
+use crate::case::dynamics::{Blocks, CourantWaves, JointEntry, JointSelector};
 use crate::study::format::format_short;
 use dynamics::solid::interlayers::{InterlayerLaw, InterlayerPlane, Interlayers, PlaneLaws};
 use models::interface::layer::LayerLaw;
@@ -26,6 +26,7 @@ impl GridConverter<'_> {
         self.check_fluid_speeds(blocks, step)?;
         let laws: Vec<LayerLaw<f64>> =
             blocks.joint_laws().map(|own| own.material.to_law(own.mass)).collect();
+        self.check_components(blocks, &laws)?;
         let faces = blocks.compute_face_joints()?;
         let by_axis = (0..2).map(|axis| Interlayers {
             axis,
@@ -38,6 +39,19 @@ impl GridConverter<'_> {
             has_open_ends: blocks.has_open_ends(axis),
         });
         Ok(by_axis.filter(|own| !own.planes.is_empty()).collect())
+    }
+
+    /// Checks that the components of all joints are independent if shear waves have longer steps than longitudinal ones.
+    fn check_components(&self, blocks: &Blocks, laws: &[LayerLaw<f64>]) -> Result<(), Error> {
+        let are_coupled = |law: &LayerLaw<f64>| law.normal_variable_count().is_none();
+        match blocks.joint_laws().zip(laws).find(|(_, law)| are_coupled(law)) {
+            Some((joint, _)) if self.solid_run.time.courant_waves == CourantWaves::Shear => {
+                let found = format!("joints of the kind {}", joint.kind.name);
+                let allowed = "expected joints whose normal and tangential components are independent: elastic, viscous or porous; else leave courant_of out";
+                Err(self.solid_run.key_error("time.courant_of", found, allowed).into())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Checks that waves of the fluid in saturated layers pass at most [`MAX_FLUID_CELLS`] cells in a step.

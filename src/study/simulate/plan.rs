@@ -32,6 +32,8 @@ pub enum ProblemSize {
         time_step: f64,
         /// Condition that limits the time step.
         step_limit: StepLimit,
+        /// Number of time steps per step of the shear waves.
+        shear_interval: usize,
     },
     /// Size of the simulation of a flow.
     Flow {

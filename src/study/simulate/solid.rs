@@ -253,7 +253,8 @@ impl SolidJob<'_> {
 impl SimulationJob for SolidJob<'_> {
     fn plan(&self, keeps_snapshots: bool) -> Result<SimulationPlan, Error> {
         let (solid_run, media) = (self.solid_run, &self.media);
-        let TimeSteps { count, step, limit, .. } = compute_time_steps(solid_run, media)?;
+        let TimeSteps { count, step, limit, shear_interval, .. } =
+            compute_time_steps(solid_run, media)?;
         let cells = solid_run.grid.cells.clone();
         let work = ProblemSize::Solid {
             cell_counts: cells,
@@ -261,6 +262,7 @@ impl SimulationJob for SolidJob<'_> {
             step_count: count,
             time_step: step,
             step_limit: limit,
+            shear_interval,
         };
         let memory = self.estimate_memory(keeps_snapshots);
         let plan = SimulationPlan {

@@ -5,7 +5,7 @@ use super::layout::Layout;
 use super::rows::RowEnds;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::boundary::{Boundary, Load};
-use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex, set_time};
+use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex, set_times};
 use crate::solid::problem::Problem;
 use crate::solid::region::Region;
 
@@ -42,14 +42,14 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
         }
     }
 
-    /// Evaluates the boundary values of half step `half` of the pass at its middle. `start`: time at the beginning of
-    /// its step, s; `step`: Δt, s; `first`: another time for the boundaries of the first axis, s (alternating sweeps).
-    pub(super) fn set_time(&mut self, half: usize, start: f64, step: f64, first: Option<f64>) {
+    /// Evaluates the boundary values of half step `half` of the pass. `middles`: middles of the sweeps of longitudinal
+    /// and of other waves, s; `first`: another time for the boundaries of the first axis, s (alternating sweeps).
+    pub(super) fn set_times(&mut self, half: usize, middles: [f64; 2], first: Option<f64>) {
         for faces in &mut self.faces[half] {
-            set_time(faces, start + [0.25, 0.75][half % 2] * step);
+            set_times(faces, middles);
         }
         if let Some(time) = first {
-            set_time(&mut self.faces[half][0], time);
+            set_times(&mut self.faces[half][0], [time; 2]);
         }
     }
 }
@@ -98,6 +98,9 @@ fn create_faces<T: Real, const D: usize>(
     let is_loaded = !loads.is_empty();
     let slopes = problem.scheme.slopes;
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), is_loaded, slopes);
-    loads.into_iter().for_each(|load| rule.add_load(load, &faces));
+    for load in loads {
+        let is_longitudinal = problem.media[0].pairs[axis][load.pair].is_longitudinal();
+        rule.add_load(load, is_longitudinal, &faces);
+    }
     BoundaryFaces::Physical(rule)
 }

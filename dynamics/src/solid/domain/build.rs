@@ -17,6 +17,7 @@ use crate::solid::boundary::Boundary;
 use crate::solid::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::region::Region;
+use crate::solid::shear_steps::ShearSteps;
 use models::solid::waves::SolidField;
 use std::ops::Range;
 
@@ -156,6 +157,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             grid: Grid { cells: region.owned_counts(), spacing: problem.grid.spacing },
             step: problem.step,
             scheme: Scheme { slopes: problem.scheme.sweep_slopes(), ..problem.scheme },
+            shear_steps: ShearSteps::new(problem),
             instructions: InstructionSet::widest(),
             boundaries: Boundaries::new(problem, region, &layout, max_pass_steps),
             sources,

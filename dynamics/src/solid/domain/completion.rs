@@ -6,7 +6,7 @@ use super::{Domain, MAX_FIELDS, SolverReal};
 use crate::simd::{LaneGroup, Real};
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{
-    BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, GhostRule, compute_ghosts, image, set_time,
+    BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, GhostRule, compute_ghosts, image, set_times,
 };
 use crate::solid::line::sweep;
 use crate::solid::reconstruction::GHOSTS;
@@ -39,8 +39,8 @@ impl<T: Real> ClosingBoundaries<T> {
     /// Evaluates the boundary values for a time step of `step`, s, that ends at time `end`, s, in the middle of each of
     /// the two sweeps.
     pub(crate) fn set_time(&mut self, end: f64, step: f64) {
-        set_time(&mut self.quarter_step, end - 0.125 * step);
-        set_time(&mut self.half_step, end);
+        set_times(&mut self.quarter_step, [end - 0.125 * step; 2]);
+        set_times(&mut self.half_step, [end; 2]);
     }
 }
 

@@ -232,12 +232,12 @@ impl<T: Real> SweepLines<'_, T> {
             if let Some(rows) = self.rows.as_ref().filter(|_| KIND != WITH_INTERLAYERS) {
                 rows.fill_ghosts::<V>(self.field_data, &self.waves[index], index, lines.clone());
             }
-            // One compiled loop for each number of passive stresses; Hooke's law has at most two per pair of waves. With
-            // interlayers one loop for all numbers, since it takes long to compile.
+            // Lines of one medium: a compiled loop for each number of passive stresses; Hooke's law has at most two per
+            // pair of waves. Other lines: one loop for all numbers, since it takes long to compile.
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
-                _ if KIND == WITH_INTERLAYERS => {
+                _ if KIND != UNIFORM => {
                     self.sweep_pair::<V, 2, KIND>(lines, index, pattern, slopes)
                 }
                 0 => self.sweep_pair::<V, 0, KIND>(lines, index, pattern, slopes),
@@ -301,11 +301,7 @@ impl<T: Real> SweepLines<'_, T> {
             passive_stresses: std::array::from_fn(|index| {
                 wave.passive_stresses.get(index).copied().unwrap_or_default()
             }),
-            passive_count: if KIND == WITH_INTERLAYERS {
-                wave.passive_stresses.len()
-            } else {
-                PASSIVE
-            },
+            passive_count: if KIND == UNIFORM { PASSIVE } else { wave.passive_stresses.len() },
             extent,
             prefetch_l2_offsets: self.prefetch_l2_offsets(index),
         };
@@ -546,7 +542,7 @@ struct FieldOffsets<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
     passive_stresses: [usize; PASSIVE],
-    /// Number of passive stresses: `PASSIVE` or, with interlayers, at most that.
+    /// Number of passive stresses: `PASSIVE` in lines of one medium, at most that in others.
     passive_count: usize,
     /// Upper bound, exclusive, of the offsets of all fields.
     extent: usize,

@@ -10,6 +10,7 @@ use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::{Medium, energy_terms_by_medium};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
+use crate::solid::shear_steps::ShearSteps;
 use models::solid::waves::SolidField;
 use std::collections::HashMap;
 
@@ -33,6 +34,9 @@ pub(super) struct Materials<T: Real, const D: usize> {
     pub(super) cell_media: Vec<u16>,
     /// By axis: pairs of waves in sweeps of half a step.
     pub(super) waves: [Vec<WavePair>; D],
+    /// By axis: pairs of waves in steps that sweep longitudinal waves only; shear waves have the Courant number 0. Empty
+    /// without such steps.
+    pub(super) held_shear_waves: [Vec<WavePair>; D],
     /// Pairs of waves along the first axis in a sweep of a quarter of a step, for alternating sweeps; else empty.
     pub(super) quarter_step_waves: Vec<WavePair>,
     pub(super) table: MaterialTable<T>,
@@ -222,11 +226,19 @@ impl<T: Real, const D: usize> Materials<T, D> {
             cell_constants: Vec::new(),
             coupling_ratios: Vec::new(),
         };
-        let waves: [Vec<WavePair>; D] = std::array::from_fn(|axis| {
-            (0..media[0].pairs[axis].len())
-                .map(|pair| constants.create_pair(axis, pair, 0.5))
-                .collect()
-        });
+        let steps = ShearSteps::new(problem);
+        let mut create_pairs = |in_held_steps: usize| -> [Vec<WavePair>; D] {
+            std::array::from_fn(|axis| {
+                let create = |(index, pair)| {
+                    let fraction = steps.sweep_fractions(pair)[in_held_steps];
+                    constants.create_pair(axis, index, fraction)
+                };
+                media[0].pairs[axis].iter().enumerate().map(create).collect()
+            })
+        };
+        let waves = create_pairs(0);
+        let held_shear_waves =
+            if steps.differ() { create_pairs(1) } else { std::array::from_fn(|_| Vec::new()) };
         let pairs = (0..media[0].pairs[0].len()).filter(|_| problem.scheme.is_alternating());
         let quarter_step_waves = pairs.map(|pair| constants.create_pair(0, pair, 0.25)).collect();
 
@@ -256,6 +268,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         let materials = Self {
             cell_media,
             waves,
+            held_shear_waves,
             quarter_step_waves,
             table: constants.create_table(&pattern_set.patterns),
             row_constants: None,

@@ -86,6 +86,7 @@ use crate::simd::{InstructionSet, LaneGroup, Number};
 use crate::solid::cell_laws::MAX_FIELDS;
 use crate::solid::ledger::{Energy, Ledger, WorkSums};
 use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
+use crate::solid::shear_steps::ShearSteps;
 use boundaries::Boundaries;
 use buffers::Buffers;
 use diagnostics::Diagnostics;
@@ -105,6 +106,7 @@ pub struct Domain<T: SolverReal, const D: usize> {
     /// Time step Δt, s.
     step: f64,
     scheme: Scheme,
+    shear_steps: ShearSteps,
     instructions: InstructionSet,
     layout: Layout<D>,
     schedule: Schedule,

@@ -295,9 +295,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             true => &self.materials.quarter_step_waves,
             false => match &self.materials.row_constants {
                 Some(rows) if axis == 0 => &rows.waves,
+                _ if self.shear_duration(half) == 0.0 => &self.materials.held_shear_waves[axis],
                 _ => &self.materials.waves[axis],
             },
         }
+    }
+
+    /// Returns the duration of the sweeps of shear waves in half step `half` of the pass by that of longitudinal waves.
+    pub(super) fn shear_duration(&self, half: usize) -> f64 {
+        let before = self.schedule.steps - self.schedule.pass_steps;
+        self.shear_steps.relative_duration(before + half / 2)
     }
 
     /// Evaluates boundary values and sources for the half steps of the pass.
@@ -313,7 +320,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 0 => start,
                 _ => middle,
             });
-            self.boundaries.set_time(half, start, self.step, first);
+            let shear_middle =
+                self.shear_steps.sweep_middle((before + half / 2, half % 2), self.step);
+            let middles = [start + [0.25, 0.75][half % 2] * self.step, shear_middle];
+            self.boundaries.set_times(half, middles, first);
             if first.is_some() && half % 2 == 1 {
                 self.boundaries.closing_boundaries[half / 2].set_time(end, self.step);
             }

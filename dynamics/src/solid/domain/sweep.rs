@@ -235,9 +235,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let origin = self.axis_origin(bundle) as isize;
         let faces = self.interfaces.path_faces(axis, bundle.face, origin + first..origin + end);
         let interlayers = faces.map(|faces| {
-            let [end, step] = self.sweep_interval(half_step).map(T::from_f64);
-            let (history, interval) = (&mut *history, Interval { end, step });
-            PathInterlayers { faces, history, interval, states: &mut states }
+            let (history, states) = (&mut *history, &mut states);
+            let interval = self.sweep_interval(half_step);
+            let holds_shear = self.shear_duration(half_step) == 0.0;
+            PathInterlayers { faces, history, interval, holds_shear, states }
         });
         let lines = SweepLines {
             field_data: &mut field_data,
@@ -452,9 +453,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (state, cell.lane(lane))
     }
 
-    /// Returns the area of a face times the duration of the sweep, m² s, by which the power per area is multiplied to
-    /// give the work.
-    fn face_area_time(&self, LineBundle { axis, half_step, face, .. }: LineBundle) -> f64 {
+    /// Returns the area of a face times the duration of the sweep of a wave pair, m² s, by which the power per area is
+    /// multiplied to give the work.
+    fn face_area_time(
+        &self,
+        LineBundle { axis, half_step, face, .. }: LineBundle,
+        pair: usize,
+    ) -> f64 {
         let is_quarter = self.scheme.is_alternating()
             && axis == 0
             && self.schedule.is_first_half_step(half_step);
@@ -462,18 +467,29 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             Some(rows) if axis == 0 => rows.spacing[face],
             _ => self.grid.spacing[axis],
         };
-        self.grid.volume() / spacing * if is_quarter { 0.25 } else { 0.5 } * self.step
+        let relative_duration = match self.materials.media[0].pairs[axis][pair].is_longitudinal() {
+            true => 1.0,
+            false => self.shear_duration(half_step),
+        };
+        let duration = if is_quarter { 0.25 } else { 0.5 } * self.step * relative_duration;
+        self.grid.volume() / spacing * duration
     }
 
-    /// Returns the time at the end of a sweep and its duration, s, in a problem with interlayers, which exclude
-    /// alternating sweeps.
-    fn sweep_interval(&self, half_step: usize) -> [f64; 2] {
+    /// Returns the interval of a sweep, in a problem with interlayers, which exclude alternating sweeps.
+    fn sweep_interval(&self, half_step: usize) -> Interval<T> {
         let before = self.schedule.steps - self.schedule.pass_steps + half_step / 2;
         let end = match half_step % 2 {
             0 => before as f64 * self.step + 0.5 * self.step,
             _ => (before + 1) as f64 * self.step,
         };
-        [end, 0.5 * self.step]
+        let step = 0.5 * self.step;
+        // Without shear waves the step of tangential components has no effect, but must not be zero.
+        let tangential_step = step * self.shear_duration(half_step).max(1.0);
+        Interval {
+            end: T::from_f64(end),
+            step: T::from_f64(step),
+            tangential_step: T::from_f64(tangential_step),
+        }
     }
 
     /// Returns the coordinate of the first place of a line along its axis; along the last axis this is the index of the
@@ -502,7 +518,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             for pair in 0..self.materials.waves[axis].len() {
                 let power = self.boundary_power(bundle, line, pair, end);
                 if power != 0.0 {
-                    self.diagnostics.work.boundary_work.add(self.face_area_time(bundle) * power);
+                    let work = self.face_area_time(bundle, pair) * power;
+                    self.diagnostics.work.boundary_work.add(work);
                 }
             }
         }

@@ -184,19 +184,23 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         (-ghosts..count + ghosts).filter_map(interlayer_at).collect()
     }
 
-    /// Stores the history variables of the interlayers of a line after its sweep.
+    /// Stores the history variables of the interlayers of a line after its sweep; `holds_shear`: only those of normal
+    /// components, since the sweep leaves shear waves unchanged.
     pub(super) fn store_line(
         &mut self,
         line: GridLine,
         interlayers: &[Interlayer<T, InterlayerLaw<T>>],
+        holds_shear: bool,
     ) {
         // Interlayers among the ghosts are copies.
         let interior = GHOSTS..GHOSTS + line.count;
         for interlayer in interlayers.iter().filter(|other| interior.contains(&other.upper_cell)) {
             let cell = line.cell(interlayer.upper_cell - GHOSTS);
             if let Some(face) = self.lower_faces[line.axis][cell] {
-                let history = self.faces[face].history.clone();
-                self.history[history].copy_from_slice(&interlayer.history);
+                let normal = interlayer.law.normal_variable_count().filter(|_| holds_shear);
+                let advanced = &interlayer.history[..normal.unwrap_or(interlayer.history.len())];
+                let start = self.faces[face].history.start;
+                self.history[start..start + advanced.len()].copy_from_slice(advanced);
             }
         }
     }

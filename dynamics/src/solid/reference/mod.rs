@@ -29,9 +29,10 @@ use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex};
 use crate::solid::ledger::{CellDissipation, Energy, Ledger, LedgerSums, WorkSums};
 use crate::solid::line;
 use crate::solid::problem::{DomainError, Grid, Problem};
+use crate::solid::shear_steps::ShearSteps;
 use cells::CellLaws;
 use interlayers::InterlayerFaces;
-use models::solid::waves::SolidField;
+use models::solid::waves::{SolidField, VelocityStressPair};
 use sweep::ReferenceWavePair;
 
 /// Reference solver of a solid: fields on a rectangular grid and their laws, without tiles, halo or threads, and
@@ -48,6 +49,9 @@ pub struct Reference<T: SolverReal, const D: usize> {
     slopes: line::Slopes,
     /// Wave pairs by axis, for sweeps of half a step.
     waves: [Vec<ReferenceWavePair<T>>; D],
+    /// Wave pairs by axis in steps that sweep longitudinal waves only.
+    held_shear_waves: [Vec<ReferenceWavePair<T>>; D],
+    shear_steps: ShearSteps,
     /// Wave pairs along the first axis by layer, for sweeps of half a step, if cell lengths vary by layer; else empty.
     waves_by_layer: Vec<Vec<ReferenceWavePair<T>>>,
     /// Wave pairs along the first axis, for sweeps of a quarter of a step (alternating sweeps).
@@ -90,18 +94,32 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let problem = permutation.check_and_permute(problem)?.into_owned();
         let Problem { media, grid, .. } = &problem;
         let (count, state_fields) = (grid.count(), problem.fields());
-        let waves = |axis: usize, spacing: f64, share: f64| {
-            let pairs = 0..media[0].pairs[axis].len();
-            let wave = |pair| ReferenceWavePair::new(&problem, (axis, spacing), pair, share);
-            pairs.map(wave).collect::<Vec<_>>()
+        let waves = |axis: usize, spacing: f64, share: &dyn Fn(&VelocityStressPair) -> f64| {
+            let wave = |(index, pair): (usize, &VelocityStressPair)| {
+                ReferenceWavePair::new(&problem, (axis, spacing), index, share(pair))
+            };
+            media[0].pairs[axis].iter().enumerate().map(wave).collect::<Vec<_>>()
+        };
+        let shear_steps = ShearSteps::new(&problem);
+        let waves_of_steps = |in_held_steps: usize| {
+            std::array::from_fn(|axis| {
+                let share =
+                    |pair: &VelocityStressPair| shear_steps.sweep_fractions(pair)[in_held_steps];
+                waves(axis, grid.spacing[axis], &share)
+            })
         };
         let layer_spacings = problem.metric.as_ref().map_or(&[][..], |metric| &metric.spacing);
         let index = |field: &SolidField| state_fields.iter().position(|own| own == field);
         Ok(Self {
             slopes: problem.scheme.sweep_slopes(),
-            waves: std::array::from_fn(|axis| waves(axis, grid.spacing[axis], 0.5)),
-            waves_by_layer: layer_spacings.iter().map(|spacing| waves(0, *spacing, 0.5)).collect(),
-            quarter_step_waves: waves(0, grid.spacing[0], 0.25),
+            waves: waves_of_steps(0),
+            held_shear_waves: waves_of_steps(1),
+            waves_by_layer: layer_spacings
+                .iter()
+                .map(|spacing| waves(0, *spacing, &|_| 0.5))
+                .collect(),
+            quarter_step_waves: waves(0, grid.spacing[0], &|_| 0.25),
+            shear_steps,
             boundaries: std::array::from_fn(|axis| {
                 [0, 1].map(|end| create_boundary(&problem, axis, end))
             }),
@@ -215,6 +233,9 @@ fn create_boundary<T: Real, const D: usize>(
     let groups = count.div_ceil(T::Lanes::COUNT);
     let slopes = problem.scheme.slopes;
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), !loads.is_empty(), slopes);
-    loads.into_iter().for_each(|load| rule.add_load(load, &faces));
+    for load in loads {
+        let is_longitudinal = problem.media[0].pairs[axis][load.pair].is_longitudinal();
+        rule.add_load(load, is_longitudinal, &faces);
+    }
     BoundaryFaces::Physical(rule)
 }

@@ -34,8 +34,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             self.accumulate_integrals(0.5);
         }
 
+        let middles = [0, 1].map(|half| {
+            let shear_middle = self.shear_steps.sweep_middle((self.steps, half), step);
+            [start + [0.25, 0.75][half] * step, shear_middle]
+        });
         for axis in 0..D {
-            self.sweep(axis, [start + 0.25 * step, middle]);
+            self.sweep(axis, (middles[0], middle));
         }
 
         self.interlayers.advance_fluid(step);
@@ -44,7 +48,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_cell_operators(&sources);
 
         for axis in (0..D).rev() {
-            self.sweep(axis, [start + 0.75 * step, end]);
+            self.sweep(axis, (middles[1], end));
         }
         if self.problem.scheme.plastic_step == PlasticStep::ReturnMapping {
             self.map_stresses();
@@ -86,11 +90,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let middle = start + 0.5 * step;
 
         match self.steps {
-            0 => self.sweep_quarter_step([start + 0.125 * step, middle]),
-            _ => self.sweep(0, [start, middle]),
+            0 => self.sweep_quarter_step(([start + 0.125 * step; 2], middle)),
+            _ => self.sweep(0, ([start; 2], middle)),
         }
         for axis in 1..D {
-            self.sweep(axis, [start + 0.25 * step, middle]);
+            self.sweep(axis, ([start + 0.25 * step; 2], middle));
         }
 
         let sources =
@@ -100,14 +104,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.relax(LawInterval::HalfStep);
         // Time integrals use the mean of the states before and after the sweep, which is second order at mid-step.
         self.accumulate_integrals(0.5);
-        self.sweep(0, [middle, end]);
+        self.sweep(0, ([middle; 2], end));
         self.accumulate_integrals(0.5);
         self.relax(LawInterval::HalfStep);
         self.rotate_spins(LawInterval::HalfStep);
         self.apply_sources(&sources[1]);
 
         for axis in (1..D).rev() {
-            self.sweep(axis, [start + 0.75 * step, end]);
+            self.sweep(axis, ([start + 0.75 * step; 2], end));
         }
         self.map_stresses();
     }

@@ -5,7 +5,7 @@ use crate::simd::Real;
 use crate::solid::cell::CellConstants;
 use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::{
-    BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, compute_ghosts, image, set_time,
+    BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, compute_ghosts, image, set_times,
 };
 use crate::solid::interface::{LineState, sweep_with_interlayers};
 use crate::solid::interlayers::with_pair_count;
@@ -136,9 +136,15 @@ fn line_states<T: Real, const P: usize>(
 }
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
-    /// Sweeps by half a step along an axis; `times`: time at which boundary values are taken, and time at the end of
-    /// the sweep, s.
-    pub(super) fn sweep(&mut self, axis: usize, times: [f64; 2]) {
+    /// Sweeps by half a step along an axis; `times`: times at which boundary values of longitudinal and of other waves
+    /// are taken, and time at the end of the sweep, s.
+    pub(super) fn sweep(&mut self, axis: usize, times: ([f64; 2], f64)) {
+        if self.shear_steps.relative_duration(self.steps) == 0.0 {
+            let waves = std::mem::take(&mut self.held_shear_waves[axis]);
+            self.sweep_axis(axis, |_| &waves, times);
+            self.held_shear_waves[axis] = waves;
+            return;
+        }
         let waves = std::mem::take(&mut self.waves[axis]);
         let waves_by_layer = std::mem::take(&mut self.waves_by_layer);
         self.sweep_axis(
@@ -150,7 +156,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Sweeps by a quarter of a step along the first axis; `times` as for [`Self::sweep`].
-    pub(super) fn sweep_quarter_step(&mut self, times: [f64; 2]) {
+    pub(super) fn sweep_quarter_step(&mut self, times: ([f64; 2], f64)) {
         let waves = std::mem::take(&mut self.quarter_step_waves);
         self.sweep_axis(0, |_| &waves, times);
         self.quarter_step_waves = waves;
@@ -162,9 +168,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         &mut self,
         axis: usize,
         waves: impl Fn(usize) -> &'a Vec<ReferenceWavePair<T>>,
-        [time, end]: [f64; 2],
+        (middles, end): ([f64; 2], f64),
     ) {
-        set_time(&mut self.boundaries[axis], time);
+        set_times(&mut self.boundaries[axis], middles);
         let mut line_fields = Vec::new();
         let [length, layer] = [self.problem.grid.cells[0], self.problem.grid.faces(D - 1)];
         let count = self.problem.grid.cells[axis];
@@ -203,14 +209,20 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
         if self.interlayers.has_interlayers_across(line.axis) {
             let mut interlayers = self.interlayers.line_interlayers(line);
-            let step = waves[0].step_fraction * self.problem.step;
-            let interval = Interval { end: T::from_f64(end), step: T::from_f64(step) };
+            let step = 0.5 * self.problem.step;
+            let relative_duration = self.shear_steps.relative_duration(self.steps);
+            let holds_shear = relative_duration == 0.0;
+            let interval = Interval {
+                end: T::from_f64(end),
+                step: T::from_f64(step),
+                tangential_step: T::from_f64(step * relative_duration.max(1.0)),
+            };
             with_pair_count!(waves.len(), P => {
                 if let Some(lines) = line_states::<T, P>(line_fields) {
                     sweep_with_interlayers(lines, self.slopes, &mut interlayers, &interval);
                 }
             });
-            self.interlayers.store_line(line, &interlayers);
+            self.interlayers.store_line(line, &interlayers, holds_shear);
         } else {
             for own in line_fields.iter_mut() {
                 let LineFields { velocity, stress, cells, accounts } = own;

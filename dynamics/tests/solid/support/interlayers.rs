@@ -161,6 +161,25 @@ pub fn random_interlayers(
     interlayers
 }
 
+/// Gives one in four problems steps of shear waves of their own, if that is possible; coupled laws of interlayers are
+/// replaced by random laws with independent components.
+pub fn set_shear_interval<const D: usize>(random: &mut NoiseSequence, problem: &mut Problem<D>) {
+    let shear_interval = [1, 1, 1, 1, 1, 1, 2, 3][random.uniform_index(8)];
+    let mut changed = Problem { shear_interval, ..problem.clone() };
+    for own in &mut changed.interlayers {
+        let axis = own.axis;
+        for law in &mut own.laws {
+            while matches!(law, InterlayerLaw::Plane(layer, _) if layer.normal_variable_count().is_none())
+            {
+                *law = InterlayerLaw::Plane(random_layer(random), axis);
+            }
+        }
+    }
+    if shear_interval > 1 && changed.validate().is_ok() {
+        *problem = changed;
+    }
+}
+
 /// Counts the vertices of a grid in the plane where saturated layers along both axes meet.
 pub fn count_saturated_junctions<const D: usize>(problem: &Problem<D>) -> usize {
     let cells = &problem.grid.cells;

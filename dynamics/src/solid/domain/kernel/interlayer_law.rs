@@ -36,11 +36,12 @@ pub(super) struct FaceBatch<'a, T: Real> {
     pub(super) faces: &'a [FaceLawEntry],
     pub(super) table: &'a MaterialTable<T>,
     pub(super) waves: &'a [WavePair],
-    /// Time at the end of the sweep and its duration, s.
     pub(super) interval: Interval<T>,
     pub(super) history: &'a mut [T::Lanes],
     /// Number of history variables of a face.
     pub(super) history_variable_count: usize,
+    /// Number of history variables, from the first one on, that the sweep changes; at most those of the law.
+    pub(super) advanced_variable_count: usize,
     /// Buffer of interface states: incident waves, which the kernel replaces by interface states in the lanes of the
     /// law.
     pub(super) values: &'a mut [T::Lanes],
@@ -91,6 +92,7 @@ impl<T: Real> FaceBatch<'_, T> {
             interval,
             history: stored_history,
             history_variable_count,
+            advanced_variable_count,
             values,
         } = self;
         let mut history = [T::ZERO; MAX_HISTORY_VARIABLES];
@@ -115,7 +117,7 @@ impl<T: Real> FaceBatch<'_, T> {
                 }
                 let states =
                     advance_interlayer(law, &impedance, &incident, &interval, &mut history);
-                for (group, value) in stored.iter_mut().zip(history) {
+                for (group, value) in stored.iter_mut().zip(history).take(advanced_variable_count) {
                     group.lanes_mut()[lane] = value;
                 }
                 for (groups, state) in values.chunks_exact_mut(2).zip(states.as_flattened()) {
@@ -193,12 +195,14 @@ impl<T: Real, const KIND: usize, const P: usize> LawKernel<'_, T, KIND, P> {
             interval,
             history: stored_history,
             history_variable_count,
+            advanced_variable_count,
             values,
             ..
         } = &mut self.0;
         let interval = Interval {
             end: <V as Vector<T>>::splat(interval.end),
             step: <V as Vector<T>>::splat(interval.step),
+            tangential_step: <V as Vector<T>>::splat(interval.tangential_step),
         };
         let mut history = [V::ZERO; MAX_HISTORY_VARIABLES];
         // Loaded before the loop, so that the compiler hoists everything that depends only on constants.
@@ -226,7 +230,7 @@ impl<T: Real, const KIND: usize, const P: usize> LawKernel<'_, T, KIND, P> {
                 }
             }
             let states = advance_interlayer(law, &impedance, &incident, &interval, &mut history);
-            for index in 0..L::HISTORY_VARIABLE_COUNT {
+            for index in 0..L::HISTORY_VARIABLE_COUNT.min(*advanced_variable_count) {
                 let group = &mut stored[index];
                 V::load(group).blend_lanes(face.lanes, history[index]).store(group);
             }

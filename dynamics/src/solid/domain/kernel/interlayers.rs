@@ -21,8 +21,9 @@ pub(crate) struct PathInterlayers<'a, T: Real> {
     pub(crate) faces: PathFaces<'a, T>,
     /// History variables of all faces of the domain.
     pub(crate) history: &'a mut [T::Lanes],
-    /// Time at the end of the sweep and its duration, s.
     pub(crate) interval: Interval<T>,
+    /// Whether the sweep leaves shear waves unchanged, and with them the history variables of tangential components.
+    pub(crate) holds_shear: bool,
     pub(crate) states: &'a mut InterlayerStates<T>,
 }
 
@@ -171,7 +172,8 @@ impl<T: Real> SweepLines<'_, T> {
     pub(super) fn sweep_path_with_interlayers(&mut self, instructions: InstructionSet) {
         instructions.run_kernel(IncidentWaveKernel(self));
         let (table, waves) = (self.table, self.waves);
-        if let Some(PathInterlayers { faces, history, interval, states }) = &mut self.interlayers {
+        if let Some(own) = &mut self.interlayers {
+            let PathInterlayers { faces, history, interval, holds_shear, states } = own;
             let has_same_constants = |one: &FaceLawEntry, next: &FaceLawEntry| {
                 (one.law_index, one.lane_pattern_indices)
                     == (next.law_index, next.lane_pattern_indices)
@@ -179,6 +181,7 @@ impl<T: Real> SweepLines<'_, T> {
             for entries in states.law_entries.chunk_by(has_same_constants) {
                 let law = &faces.laws[usize::from(entries[0].law_index)];
                 let values = &mut states.values;
+                let normal_variable_count = law.normal_variable_count().filter(|_| *holds_shear);
                 let batch = FaceBatch {
                     law,
                     faces: entries,
@@ -187,6 +190,7 @@ impl<T: Real> SweepLines<'_, T> {
                     interval: *interval,
                     history,
                     history_variable_count: faces.variable_count,
+                    advanced_variable_count: normal_variable_count.unwrap_or(usize::MAX),
                     values,
                 };
                 apply_law(instructions, batch);
