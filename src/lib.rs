@@ -17,7 +17,9 @@
 //! | [`homogenise`](study::homogenise()) | [`HomogeniseResult`](study::HomogeniseResult): the Cosserat continuum that is equivalent to a blocky medium |
 //! | [`compare_runs`](study::compare_runs) | [`ComparisonResult`](study::ComparisonResult): differences between two runs of the same load |
 //! | [`compute_speeds`] | [`SpeedsResult`](study::SpeedsResult): characteristic speeds of a solid by direction, elastic and yielding |
+//! | [`compute_shocks`](study::compute_shocks) | [`ShocksResult`](study::ShocksResult): exact plane waves in a granular or porous medium: waves behind a piston, compaction shocks, spall |
 //! | [`simulate`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
+//! | [`compute_diagram`] | [`DiagramResult`](study::DiagramResult): stress against strain of a rheological scheme, energies of its elements |
 //! | [`check_agreement`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |
 //!
 //! Harris–Grekova (2005) at constant volume is well-posed while the principal axes of stress and deformation rate are
@@ -79,8 +81,8 @@ pub use ::cases as case;
 pub use ::cases::CASES;
 pub use error::Error;
 pub use study::{
-    check::check_agreement, dispersion::compute_dispersion, map::compute_map, point::analyse_point,
-    simulate::simulate, speeds::compute_speeds,
+    check::check_agreement, diagram::compute_diagram, dispersion::compute_dispersion,
+    map::compute_map, point::analyse_point, simulate::simulate, speeds::compute_speeds,
 };
 
 use case::Case;

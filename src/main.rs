@@ -56,6 +56,11 @@ enum Verb {
         #[command(flatten)]
         arguments: CaseArguments,
     },
+    /// Compute the stress-strain diagram of a rheological scheme, and the energies of its elements
+    Diagram {
+        #[command(flatten)]
+        arguments: CaseArguments,
+    },
     /// Write the case of the Cosserat continuum that is equivalent to a blocky medium
     Homogenise {
         /// Case file of a blocky medium
@@ -87,6 +92,11 @@ enum Verb {
     },
     /// Compute the characteristic speeds of a solid against direction, elastic and yielding
     Speeds {
+        #[command(flatten)]
+        arguments: CaseArguments,
+    },
+    /// Compute plane waves in a granular or porous medium exactly: waves behind a piston, compaction shocks, spall
+    Shocks {
         #[command(flatten)]
         arguments: CaseArguments,
     },
@@ -159,8 +169,8 @@ enum Verb {
     Cases,
     /// Write a commented template of a case file
     New {
-        /// Kind of model
-        #[arg(value_parser = PossibleValuesParser::new(ModelKind::all_kinds().into_iter().map(ModelKind::name)).try_map(parse_kind))]
+        /// Kind of model, or a rheological scheme
+        #[arg(value_parser = PossibleValuesParser::new(template_kinds().map(ModelKind::name)).try_map(parse_kind))]
         kind: ModelKind,
         /// Yield set of the solid
         #[arg(long = "yield", value_name = "SET", value_parser =
@@ -170,6 +180,9 @@ enum Verb {
         /// Template of a time-domain simulation, for wellposed run
         #[arg(long = "run")]
         is_simulation: bool,
+        /// Template of plane waves in a granular or porous medium, for wellposed shocks; for the kind classical
+        #[arg(long = "shocks", value_enum, conflicts_with_all = ["is_simulation", "yield_set"])]
+        plane_wave: Option<PlaneWaveArgument>,
         /// File to write [default: <KIND>.toml]
         file: Option<PathBuf>,
         /// Overwrite the file if it exists
@@ -215,6 +228,13 @@ struct CaseArguments {
     threads: Option<u16>,
 }
 
+/// Medium of a template of plane waves.
+#[derive(Clone, Copy, ValueEnum)]
+enum PlaneWaveArgument {
+    Granular,
+    Porous,
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum FormatArgument {
     Text,
@@ -230,8 +250,15 @@ impl From<FormatArgument> for OutputFormat {
     }
 }
 
+/// Kinds of which there are templates.
+fn template_kinds() -> impl Iterator<Item = ModelKind> {
+    ModelKind::all_kinds().into_iter().chain([ModelKind::Rheology])
+}
+
 fn parse_kind(name: String) -> Result<ModelKind, String> {
-    ModelKind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
+    template_kinds()
+        .find(|kind| kind.name() == name)
+        .ok_or_else(|| format!("no kind of model is called {name}"))
 }
 
 fn parse_yield_set(name: String) -> Result<YieldSetKind, String> {
@@ -308,7 +335,9 @@ impl Verb {
             Self::Map { arguments, .. }
             | Self::Point { arguments }
             | Self::Dispersion { arguments }
+            | Self::Diagram { arguments }
             | Self::Speeds { arguments }
+            | Self::Shocks { arguments }
             | Self::Run { arguments, .. }
             | Self::Check { arguments } => arguments.format.into(),
             Self::Resume { format, .. }
@@ -329,6 +358,7 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         }
         Verb::Point { arguments } => cli::run_point(&arguments.into(), &mut stdout)?,
         Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
+        Verb::Diagram { arguments } => cli::run_diagram(&arguments.into(), &mut stdout)?,
         Verb::Homogenise {
             case_path,
             settings,
@@ -357,6 +387,7 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             cli::run_homogenise(&options, &continuum, &mut stdout)?;
         }
         Verb::Speeds { arguments } => cli::run_speeds(&arguments.into(), &mut stdout)?,
+        Verb::Shocks { arguments } => cli::run_shocks(&arguments.into(), &mut stdout)?,
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };
             cli::run_simulation(
@@ -380,10 +411,14 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         Verb::Plot { folder } => cli::plot(&folder, &mut stdout)?,
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
         Verb::Cases => cases::list_cases(&mut stdout)?,
-        Verb::New { kind, yield_set, is_simulation, file, force } => {
+        Verb::New { kind, yield_set, is_simulation, plane_wave, file, force } => {
             let medium = MediumKind::new(kind, yield_set)?;
-            let purpose =
-                if is_simulation { TemplateKind::Simulation } else { TemplateKind::SingleState };
+            let purpose = match plane_wave {
+                Some(PlaneWaveArgument::Granular) => TemplateKind::GranularPlaneWave,
+                Some(PlaneWaveArgument::Porous) => TemplateKind::PorousPlaneWave,
+                None if is_simulation => TemplateKind::Simulation,
+                None => TemplateKind::SingleState,
+            };
             let path = new::write_template(medium, purpose, file.as_deref(), force)?;
             let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
         }

@@ -212,7 +212,8 @@ fn check_command(command: &str) {
         |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
     let takes_case =
-        ["map", "point", "dispersion", "homogenise", "speeds", "run", "check"].contains(verb);
+        ["map", "point", "dispersion", "diagram", "homogenise", "speeds", "shocks", "run", "check"]
+            .contains(verb);
     let has_placeholder = rest.iter().any(|word| is_placeholder(&word.trim_matches(['[', ']'])));
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let out = scratch.path().join("out");
@@ -227,7 +228,9 @@ fn check_command(command: &str) {
             let case = match *verb {
                 "map" | "point" => case,
                 "run" => "cases/flow/decay.toml",
+                "diagram" => "cases/rheology/porous-plastic.toml",
                 "homogenise" => "cases/blocky/pulse-breaking.toml",
+                "shocks" => "cases/porous/foam-collapse.toml",
                 _ => "cases/cosserat/forbidden-band.toml",
             };
             let rest = rest.iter().map(|word| if *word == "CASE" { case } else { word });
@@ -388,7 +391,7 @@ fn toml_blocks_in_documents_are_valid_cases() {
             }
         }
     }
-    assert_eq!(count, 5);
+    assert_eq!(count, 6);
 }
 
 /// Verifies that the arrays used by Python examples exist in the result files.

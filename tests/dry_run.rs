@@ -74,8 +74,11 @@ fn dry_run_lists_files_of_state_studies() {
     check_announced_files("point", bound, &["background.deviatoric_stress=1"], &["point.json"]);
     check_announced_files("point", "cosserat/forbidden-band.toml", &[], &["point.json"]);
     check_announced_files("dispersion", "cosserat/forbidden-band.toml", &[], &["dispersion.csv"]);
+    check_announced_files("diagram", "rheology/porous-elastic.toml", &[], &["diagram.csv"]);
     check_announced_files("speeds", "cosserat/flutter.toml", &[], &["speeds.csv"]);
     check_announced_files("speeds", "cosserat/shear-band.toml", &[], &["sphere.csv"]);
+    check_announced_files("shocks", "porous/foam-collapse.toml", &[], &["shocks.csv"]);
+    check_announced_files("shocks", "porous/sand-spall.toml", &[], &["spall.csv"]);
 }
 
 #[test]
@@ -149,7 +152,9 @@ fn dry_run_prints_json_for_programs() {
         ("point", "granular-flow/noncoaxiality-bound.toml"),
         ("map", "granular-flow/noncoaxiality-bound.toml"),
         ("speeds", "cosserat/flutter.toml"),
+        ("shocks", "porous/foam-collapse.toml"),
         ("dispersion", "cosserat/forbidden-band.toml"),
+        ("diagram", "rheology/creep.toml"),
         ("check", "check/cubic-plane.toml"),
         ("run", "dynamics/point-source.toml"),
     ] {

@@ -35,7 +35,9 @@ const VERBS: &[&str] = &[
     "check",
     "check",
     "speeds",
+    "shocks",
     "dispersion",
+    "diagram",
     "resume",
     "plot",
     "verify",
@@ -122,7 +124,10 @@ fn build_command_line(text: &str, random: &mut RandomNumbers) -> Vec<String> {
         "cases" | "schema" | "help" => {}
         _ => words.push("case.toml".to_owned()),
     }
-    let is_study = matches!(verb, "run" | "point" | "map" | "check" | "speeds" | "dispersion");
+    let is_study = matches!(
+        verb,
+        "run" | "point" | "map" | "check" | "speeds" | "shocks" | "dispersion" | "diagram"
+    );
     if is_study && random.uniform_index(20) > 0 {
         words.extend(["--out".to_owned(), "out".to_owned()]);
     }

@@ -523,6 +523,14 @@ fn impossible_courant_numbers_of_shear_waves_are_refused() {
         ),
         (&cosserat, "", "time.courant_of: the solid has spins; expected c1/c2 = 2 or 3"),
         (LOADED_COLUMN, "scheme.splitting=alternating", "scheme.splitting: found 'alternating'; "),
+        (
+            &format!(
+                "{LOADED_COLUMN}[[source]]\nkind = 'force'\namplitude = [1, 0]\nat = [5, 0.15]\n\
+                time = {{ kind = 'pulse', duration = 1 }}\n"
+            ),
+            "",
+            "source[0]: found the kernel spline; with time.courant_of = \"s\" expected a bell of at least 12 cells",
+        ),
     ] {
         let file = folder.path().join("case.toml");
         fs::write(&file, text).expect("a writable folder");

@@ -18,7 +18,8 @@
 //! - [`energy`]: symmetriser and energy conservation of the equations of a solid;
 //! - [`kelvin`]: Kelvin waves, advected by a homogeneous flow;
 //! - [`waves`]: speeds, dispersion curves and band gaps of solids;
-//! - [`bloch`]: Bloch waves of blocky media: dispersion, band gaps, speeds of long waves.
+//! - [`bloch`]: Bloch waves of blocky media: dispersion, band gaps, speeds of long waves;
+//! - [`plane_shocks`]: exact plane waves behind a piston, for piecewise-linear diagrams.
 //!
 //! [`flows`] and [`solids`] assess the media of [`models`] with these tools.
 //!
@@ -47,6 +48,7 @@ mod line_search;
 pub mod list;
 pub mod newton_polygon;
 pub mod pencil;
+pub mod plane_shocks;
 pub mod polynomial;
 mod puiseux;
 pub mod qz;

@@ -11,6 +11,9 @@ use super::keys::SweepParameter;
 use super::kind::{MediumKind, ModelKind};
 use super::map::{MapAxes, ParameterSweep};
 use super::material::{Material, check_dimensions, set_default_dimensions};
+use super::numbers::CaseNumbers;
+use super::plane_wave::{self, PlaneWaveOptions};
+use super::rheology::RheologyCase;
 use super::scalar_keys;
 use super::schema::SchemaScope;
 use super::section::SectionReader;
@@ -52,6 +55,11 @@ pub struct Case {
     pub flow_run: Option<FlowRun>,
     /// Section `[check]`: waves and grids of `wellposed check`, if present.
     pub check_options: Option<CheckOptions>,
+    /// Sections of plane waves in granular and porous media, if present.
+    pub plane_wave: Option<PlaneWaveOptions>,
+    /// Sections of a rheological scheme; the case then has no `[model]`, and the kind of its material is
+    /// [`ModelKind::Rheology`].
+    pub rheology: Option<RheologyCase>,
     hints: Vec<CaseHint>,
     source_path: Option<PathBuf>,
 }
@@ -67,6 +75,8 @@ impl PartialEq for Case {
             && self.solid_run == other.solid_run
             && self.flow_run == other.flow_run
             && self.check_options == other.check_options
+            && self.plane_wave == other.plane_wave
+            && self.rheology == other.rheology
     }
 }
 
@@ -138,6 +148,9 @@ impl Case {
         purpose: Purpose,
     ) -> Result<Self, CaseError> {
         let mut entries = CaseEntries::parse(text, file, sets, &CASE_SCHEMAS)?;
+        if RheologyCase::is_present(&entries.structured_reader(SchemaScope::default())) {
+            return Self::parse_rheology(&entries, file, purpose);
+        }
         let kind =
             find_model_kind(entries.require_text("model.kind")?, "model.kind", &entries.positions)?;
         let is_in_time = has_simulation(&entries.structured_reader(SchemaScope::default()), kind)?;
@@ -160,12 +173,15 @@ impl Case {
         let numbers = scalar_keys::read_numbers(&entries, &media)?;
         let active = scalar_keys::read_active_conditions(&entries, media[0])?;
         let map = MapAxes::read(&entries, media[0], &numbers, active.is_some())?;
-        let title = match entries.value("title") {
-            Some(CaseValue::Text(title)) => title.clone(),
-            _ => String::new(),
-        };
+        let title = read_title(&entries);
         let name = scalar_keys::read_name(&entries, file)?;
         let check = check::read_check(&entries.structured_reader(SchemaScope::default()))?;
+        let plane_wave = plane_wave::read_plane_wave(
+            &entries.structured_reader(SchemaScope::default()),
+            &entries.positions,
+            media[0],
+            is_in_time,
+        )?;
         let material = Material {
             kind,
             yield_set: yields,
@@ -197,9 +213,87 @@ impl Case {
             solid_run: dynamics,
             flow_run: flow,
             check_options: check,
+            plane_wave,
+            rheology: None,
             hints: entries.hints.0.clone(),
             source_path: None,
         })
+    }
+
+    /// Reads a case with a rheological scheme, which has no other sections.
+    fn parse_rheology(
+        entries: &CaseEntries,
+        file: &str,
+        purpose: Purpose,
+    ) -> Result<Self, CaseError> {
+        let foreign = |key: &str| {
+            let allowed = "leave it out: a rheological scheme has [rheology] and [load_path] only";
+            entries.positions.key_error(key, "found for a rheological scheme", allowed)
+        };
+        const SCALAR_SECTIONS: [&str; 7] =
+            ["model", "background", "yield", "stress", "wave", "map", "compare"];
+        if let Some(section) = SCALAR_SECTIONS.into_iter().find(|own| entries.has_section(own)) {
+            return Err(foreign(section));
+        }
+        let root = entries.structured_reader(SchemaScope::default());
+        let is_own = |name: &str| CASE_SCHEMAS.rheology.iter().any(|own| own.name == name);
+        if let Some((name, _)) = root.entries().find(|(name, _)| !is_own(name)) {
+            return Err(foreign(name));
+        }
+        let rheology = RheologyCase::read(&root)?;
+        let material = Material {
+            kind: ModelKind::Rheology,
+            yield_set: None,
+            active_conditions: None,
+            numbers: CaseNumbers::default(),
+            positions: entries.positions.clone(),
+        };
+        if purpose == Purpose::Simulation {
+            return Err(missing_grid_error(&material.positions, material.kind));
+        }
+        Ok(Self {
+            name: scalar_keys::read_name(entries, file)?,
+            title: read_title(entries),
+            material,
+            map: None,
+            compared_kinds: None,
+            solid_run: None,
+            flow_run: None,
+            check_options: None,
+            plane_wave: None,
+            rheology: Some(rheology),
+            hints: entries.hints.0.clone(),
+            source_path: None,
+        })
+    }
+
+    /// Checks that the case describes a flow or a solid.
+    ///
+    /// # Errors
+    /// The case describes a rheological scheme.
+    pub fn require_model(&self) -> Result<(), CaseError> {
+        match self.rheology {
+            None => Ok(()),
+            Some(_) => Err(self.locate_error(self.rheology_error())),
+        }
+    }
+
+    /// Returns the rheological scheme of the case with its load path.
+    ///
+    /// # Errors
+    /// The case has no sections `[rheology]` and `[load_path]`; the message says how to add them.
+    pub fn require_rheology(&self) -> Result<&RheologyCase, CaseError> {
+        self.rheology.as_ref().ok_or_else(|| {
+            let found = format!("found {}", self.material.kind.name());
+            let allowed = "this needs a rheological scheme: a case with the sections [rheology] and \
+                           [load_path] in place of [model]; wellposed new rheology writes one";
+            self.material.positions.key_error("model.kind", found, allowed)
+        })
+    }
+
+    /// Returns the error of a rheological scheme where a flow or a solid is needed.
+    pub(super) fn rheology_error(&self) -> InputError {
+        self.material.rheology_error()
     }
 
     /// Returns the path of the file from which the case was loaded.
@@ -292,6 +386,48 @@ impl Case {
         found.ok_or_else(|| missing_grid_error(&self.material.positions, self.material.kind))
     }
 
+    /// Returns the plane wave problem of the case.
+    ///
+    /// # Errors
+    /// The case has no granular or porous medium; the message says how to add one.
+    pub fn require_plane_wave(&self) -> Result<&PlaneWaveOptions, CaseError> {
+        self.plane_wave.as_ref().ok_or_else(|| {
+            let allowed = "add a section [porous] with porosity and contact_bulk_modulus, or [granular] \
+                           with friction, and [piston] with pressure or speed";
+            self.material.positions.key_error("porous", "missing", allowed)
+        })
+    }
+
+    /// Checks that the case describes no granular or porous medium, for studies of solids without contacts.
+    ///
+    /// # Errors
+    /// The case has a section `[granular]` or `[porous]`.
+    pub fn check_without_contacts(&self) -> Result<(), CaseError> {
+        let Some(own) = &self.plane_wave else { return Ok(()) };
+        let allowed = "use wellposed shocks, or leave the section out to analyse the elastic solid of \
+                       [model]";
+        let found = "found; this analyses solids without contacts and pores";
+        Err(self.material.positions.key_error(own.medium.section(), found, allowed))
+    }
+
+    /// Adds the position in the section of the granular or porous medium to an input error of that medium.
+    pub fn locate_medium_error(&self, error: InputError) -> CaseError {
+        let section = self.plane_wave.as_ref().map_or("model", |own| own.medium.section());
+        let key = match error.input {
+            "density" => "model.density".to_owned(),
+            "bulk_modulus" => "model.lambda".to_owned(),
+            "shear_modulus" => "model.mu".to_owned(),
+            input => format!("{section}.{input}"),
+        };
+        let found = format!("found {}", error.rejected_value);
+        self.material.positions.key_error(&key, found, error.allowed_values)
+    }
+
+    /// Returns an error at a key of the plane wave problem.
+    pub fn plane_wave_error(&self, key: &str, found: String, allowed: String) -> CaseError {
+        self.material.positions.key_error(key, found, allowed)
+    }
+
     /// Returns the case without plot options; cases equal after this call have equal results.
     pub fn without_plot_options(&self) -> Self {
         let mut case = self.clone();
@@ -313,6 +449,9 @@ impl Case {
             let _ = writeln!(text, "title = {}", toml::Value::from(self.title.as_str()));
         }
         let _ = writeln!(text, "name = {}", toml::Value::from(self.name.as_str()));
+        if let Some(rheology) = &self.rheology {
+            return text + &rheology.to_toml();
+        }
         let mut section = "";
         let compared = self.compared_kinds.as_deref().unwrap_or_default();
         for (key, value) in self.material.key_values(compared) {
@@ -336,11 +475,19 @@ impl Case {
         if let Some(flow) = &self.flow_run {
             text.push_str(&flow.to_toml());
         }
+        if let Some(plane_wave) = &self.plane_wave {
+            text.push_str(&plane_wave.to_toml());
+        }
         if let Some(check) = &self.check_options {
             text.push_str(&check.to_toml());
         }
         text
     }
+}
+
+fn read_title(entries: &CaseEntries) -> String {
+    let title = entries.value("title").and_then(CaseValue::as_text);
+    title.unwrap_or_default().to_owned()
 }
 
 /// Returns the error of a case without simulation: a missing section `[grid]`, or a kind of flow that cannot be
@@ -362,6 +509,10 @@ fn missing_grid_error(positions: &KeyPositions, kind: ModelKind) -> CaseError {
             let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
                            with duration";
             positions.key_error("grid", "missing", allowed)
+        }
+        ModelKind::Rheology => {
+            let allowed = "compute its response with wellposed diagram: schemes have no grid";
+            positions.key_error("rheology", "found a rheological scheme", allowed)
         }
     }
 }

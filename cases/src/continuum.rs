@@ -2,7 +2,8 @@
 
 use super::case::Case;
 use super::dynamics::{
-    FaceLoad, InitialStateTerm, ReconstructionScheme, RecordedQuantity, SolidRun, StateComponent,
+    CourantWaves, FaceLoad, InitialStateTerm, ReconstructionScheme, RecordedQuantity, SolidRun,
+    StateComponent,
 };
 use super::error::CaseError;
 use super::kind::ModelKind;
@@ -187,6 +188,11 @@ fn convert_run(
     for axis in 0..2 {
         own.grid.cells[axis] = blocks.count[axis] * options.cells_per_block;
         own.grid.spacing[axis] = blocks.medium.period / options.cells_per_block as f64;
+    }
+    if own.time.courant_waves == CourantWaves::Shear {
+        own.time.courant_waves = CourantWaves::Fastest;
+        notes
+            .push("courant_of = \"fastest\" in place of \"s\": the continuum has spins".to_owned());
     }
     if yields && own.scheme.reconstruction == ReconstructionScheme::FourthOrder {
         own.scheme.reconstruction = ReconstructionScheme::Eno2;

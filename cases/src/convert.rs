@@ -131,6 +131,7 @@ impl Case {
                     .model_constants
                     .collect_si_values(solid.parameters, &mut constants);
             }
+            ModelKind::Rheology => {}
         }
         constants
     }
@@ -146,6 +147,7 @@ impl Case {
                     join_names(&ModelKind::flow_kinds())
                 ),
             }),
+            ModelKind::Rheology => Err(self.rheology_error()),
         }
     }
     /// Returns the kind of material rotation of a time-domain flow; it determines the equation of the stress angle.

@@ -4,6 +4,7 @@
 //! sweep. It rejects wrong types, numbers out of range and unknown names as well as missing and unknown keys, for each
 //! kind of model. Relations between numbers are checked by the program only.
 
+mod plane_waves;
 mod value_types;
 
 use crate::dynamics::stress;
@@ -12,9 +13,10 @@ use crate::kind::{MediumKind, ModelKind, NO_YIELD_NAME};
 use crate::schema::{
     KeyCondition, KeyPresence, KeySchema, SchemaScope, TableLayout, TableSchema, ValueType,
 };
-use crate::section_schemas::simulation_schemas;
+use crate::section_schemas::{CASE_SCHEMAS, simulation_schemas};
 use crate::value::parse_text;
 use models::registry;
+use plane_waves::add_plane_wave_sections;
 use serde_json::{Map, Value, json};
 use toml::de::DeValue;
 use value_types::{build_range_schema, build_type_schema};
@@ -31,6 +33,7 @@ pub fn generate_json_schema() -> Value {
     }
     properties
         .insert("check".into(), build_table_schema(&crate::check::SCHEMA, &SchemaScope::default()));
+    let rheology_sections = add_rheology_sections(&mut properties, &mut branches);
     for kind in ModelKind::all_kinds() {
         let sets: Vec<&str> = kind.admissible_yield_sets().iter().map(|set| set.name).collect();
         let schema = match sets.is_empty() {
@@ -41,6 +44,7 @@ pub fn generate_json_schema() -> Value {
             branches.requirements_under(build_value_condition("model", "kind", &[kind.name()]));
         object_entry(then, "properties").insert("yield".into(), schema);
     }
+    add_plane_wave_sections(&mut properties, &mut branches);
     add_dimension_conditions(&mut branches);
     let mut definitions = Map::new();
     for (name, kinds) in [("solid", ModelKind::solid_kinds()), ("flow", ModelKind::flow_kinds())] {
@@ -52,12 +56,29 @@ pub fn generate_json_schema() -> Value {
         "description": "A case file of wellposed. SI units; angles in degrees.",
         "type": "object",
         "properties": properties,
-        "required": ["model"],
+        "anyOf": [{ "required": ["model"] }, { "required": rheology_sections }],
         "dependentRequired": { "stress": ["yield"] },
         "additionalProperties": false,
         "allOf": branches.into_if_then_list(),
         "$defs": definitions,
     })
+}
+
+/// Adds the sections of rheological schemes, which exclude all other sections; returns their names.
+fn add_rheology_sections(
+    properties: &mut Map<String, Value>,
+    branches: &mut ConditionalSchemas,
+) -> Vec<&'static str> {
+    let names: Vec<&str> = CASE_SCHEMAS.rheology.iter().map(|own| own.name).collect();
+    for table_schema in CASE_SCHEMAS.rheology {
+        let schema = build_table_schema(table_schema, &SchemaScope::default());
+        properties.insert(table_schema.name.to_owned(), schema);
+        let then = branches.requirements_under(json!({ "required": [table_schema.name] }));
+        then.insert("required".into(), json!(names));
+        let allowed: Vec<&str> = ["title", "name"].into_iter().chain(names.clone()).collect();
+        then.insert("propertyNames".into(), json!({ "enum": allowed }));
+    }
+    names
 }
 
 /// Adds the conditions that a solid, its yield set and its grid have the same number of dimensions.
@@ -294,7 +315,7 @@ fn add_simulation_sections(
                 ModelKind::Solid(_) => {
                     json!({ "allOf": [own, build_dimension_condition(dimensions)] })
                 }
-                ModelKind::Flow(_) => own.clone(),
+                ModelKind::Flow(_) | ModelKind::Rheology => own.clone(),
             });
             let scope = SchemaScope { dimensions: Some(dimensions), ..SchemaScope::default() };
             for table_schema in &table_schemas {

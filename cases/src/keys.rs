@@ -102,6 +102,7 @@ impl SweepParameter {
         let constants = match kind {
             ModelKind::Flow(flow) => flow.parameters(),
             ModelKind::Solid(solid) => solid.parameters,
+            ModelKind::Rheology => return None,
         };
         constants.iter().enumerate().find(|(_, own)| own.name == name)
     }

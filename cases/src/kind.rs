@@ -15,6 +15,9 @@ pub enum ModelKind {
     Flow(FlowKind),
     /// An elastic or elastoplastic solid.
     Solid(SolidKind),
+    /// A uniaxial rheological scheme, which has a section `[rheology]` in place of `[model]` and no registry entry;
+    /// only `wellposed diagram` takes it. Not among [`all_kinds`](Self::all_kinds).
+    Rheology,
 }
 
 /// A medium: kind of model and yield set, which determine the keys of a case.
@@ -91,14 +94,14 @@ impl ModelKind {
     /// Returns the yield sets admitted by the kind of model.
     pub fn admissible_yield_sets(self) -> Vec<YieldSetKind> {
         match self {
-            Self::Flow(_) => Vec::new(),
+            Self::Flow(_) | Self::Rheology => Vec::new(),
             Self::Solid(solid) => {
                 registry::yield_sets().into_iter().filter(|set| set.is_compatible(solid)).collect()
             }
         }
     }
 
-    /// Returns all kinds of model, flows first, in the order of listings.
+    /// Returns all kinds that a section `[model]` can name, flows first, in the order of listings.
     pub fn all_kinds() -> Vec<Self> {
         Self::flow_kinds().into_iter().chain(Self::solid_kinds()).collect()
     }
@@ -118,6 +121,7 @@ impl ModelKind {
         match self {
             Self::Flow(flow) => flow.name(),
             Self::Solid(solid) => solid.name,
+            Self::Rheology => "rheology",
         }
     }
 
@@ -126,6 +130,7 @@ impl ModelKind {
         match self {
             Self::Flow(flow) => flow.title(),
             Self::Solid(solid) => solid.title,
+            Self::Rheology => "rheological scheme",
         }
     }
 
@@ -135,7 +140,7 @@ impl ModelKind {
     pub fn simulation_rotation(self) -> Option<RotationKind> {
         match self {
             Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
-            Self::Solid(_) => None,
+            Self::Solid(_) | Self::Rheology => None,
         }
     }
 

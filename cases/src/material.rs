@@ -90,6 +90,18 @@ impl Material {
         })
     }
 
+    /// Returns the error of a rheological scheme where a flow or a solid is needed.
+    pub fn rheology_error(&self) -> InputError {
+        InputError {
+            input: "rheology",
+            rejected_value: "a rheological scheme".to_owned(),
+            allowed_values:
+                "this needs a flow or a solid; wellposed diagram computes the response of \
+                             a scheme"
+                    .to_owned(),
+        }
+    }
+
     /// Returns the kind of model and the yield set.
     pub fn medium(&self) -> MediumKind {
         MediumKind { kind: self.kind, yield_set: self.yield_set }

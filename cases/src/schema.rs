@@ -417,6 +417,10 @@ pub(crate) struct CaseSchemas {
     pub(crate) solids: &'static [&'static TableSchema],
     /// Time-domain sections of flows.
     pub(crate) flows: &'static [&'static TableSchema],
+    /// Sections of plane waves in granular and porous media.
+    pub(crate) plane_waves: &'static [&'static TableSchema],
+    /// Sections of rheological schemes.
+    pub(crate) rheology: &'static [&'static TableSchema],
     /// The section `[check]`.
     pub(crate) check: &'static TableSchema,
     /// Function from a kind of model to the schemas of its time-domain sections.
@@ -431,7 +435,8 @@ impl CaseSchemas {
 
     /// Returns all schemas.
     pub(crate) fn all(&self) -> impl Iterator<Item = &'static TableSchema> + use<> {
-        self.solids.iter().chain(self.flows).copied().chain([self.check])
+        let sections = self.solids.iter().chain(self.flows).chain(self.plane_waves);
+        sections.chain(self.rheology).copied().chain([self.check])
     }
 
     /// Finds the schema of a section by its former name.

@@ -4,13 +4,15 @@ use crate::error::CaseError;
 use crate::kind::{ModelKind, join_names};
 use crate::schema::{CaseSchemas, TableSchema};
 use crate::section::SectionReader;
-use crate::{check, dynamics, flow};
+use crate::{check, dynamics, flow, plane_wave, rheology};
 use models::flow::RotationKind;
 
 /// Schemas of all structured sections.
 pub(crate) const CASE_SCHEMAS: CaseSchemas = CaseSchemas {
     solids: dynamics::SOLID_SCHEMAS,
     flows: &flow::FLOW_SCHEMAS,
+    plane_waves: plane_wave::PLANE_WAVE_SCHEMAS,
+    rheology: rheology::RHEOLOGY_SCHEMAS,
     check: &check::SCHEMA,
     simulation: simulation_schemas,
 };
@@ -21,15 +23,19 @@ pub(crate) fn simulation_schemas(kind: ModelKind) -> Vec<&'static TableSchema> {
     match kind {
         ModelKind::Solid(_) => dynamics::SOLID_SCHEMAS.to_vec(),
         ModelKind::Flow(_) => flow::schemas_for_kind(kind),
+        ModelKind::Rheology => Vec::new(),
     }
 }
 
-/// Returns the schemas of all structured sections in three groups: time-domain solids, time-domain flows and `[check]`.
-pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 3] {
-    let CaseSchemas { solids, flows, check, .. } = CASE_SCHEMAS;
+/// Returns the schemas of all structured sections in five groups: time-domain solids, time-domain flows, plane waves,
+/// rheological schemes and `[check]`.
+pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 5] {
+    let CaseSchemas { solids, flows, plane_waves, rheology, check, .. } = CASE_SCHEMAS;
     [
         ("time-domain simulation of solids", solids.to_vec()),
         ("time-domain simulation of flows", flows.to_vec()),
+        ("plane waves in granular and porous media", plane_waves.to_vec()),
+        ("rheological schemes", rheology.to_vec()),
         ("check", vec![check]),
     ]
 }
@@ -41,12 +47,14 @@ pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 3] {
 pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bool, CaseError> {
     let own = simulation_schemas(kind);
     let is_own = |name: &str| {
-        name == check::SCHEMA.name || own.iter().any(|table_schema| table_schema.name == name)
+        let always = plane_wave::PLANE_WAVE_SCHEMAS.iter().chain([&&check::SCHEMA]);
+        always.chain(&own).any(|table_schema| table_schema.name == name)
     };
     if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
         let found = match kind {
             ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
             ModelKind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
+            ModelKind::Rheology => "found for a rheological scheme".to_owned(),
         };
         let allowed = match kind {
             ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {

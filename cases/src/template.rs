@@ -4,7 +4,10 @@ mod section_templates;
 
 use super::keys::{Key, Presence, keys};
 use super::kind::{MediumKind, ModelKind};
-use super::{check, flow};
+use super::{check, flow, rheology};
+use crate::plane_wave::{
+    ELASTIC_KIND, GRANULAR_SCHEMA, PISTON_SCHEMA, POROUS_SCHEMA, SPALL_SCHEMA,
+};
 use crate::section_schemas::simulation_schemas;
 use section_templates::{ExampleSection, SectionTemplates, format_comment};
 use std::fmt::Write;
@@ -18,6 +21,11 @@ pub enum TemplateKind {
     Simulation,
     /// Time-domain simulation of a blocky medium of a solid; for a flow the same as [`Simulation`](Self::Simulation).
     BlockySimulation,
+    /// Plane waves in a granular medium, for the command `shocks`; for all but the elastic classical solid the same as
+    /// [`SingleState`](Self::SingleState).
+    GranularPlaneWave,
+    /// Plane waves in a porous medium; for other solids as [`GranularPlaneWave`](Self::GranularPlaneWave).
+    PorousPlaneWave,
 }
 
 /// Columns at which comments start: in templates of states, and in time-domain sections.
@@ -112,6 +120,34 @@ const EXAMPLE_FLOW_RUN: &[ExampleSection] = &[
     ("limits", &[]),
 ];
 
+/// Example of plane waves in a granular medium.
+const EXAMPLE_GRANULAR_WAVE: &[ExampleSection] =
+    &[("granular", &[("friction", "0.5")]), ("piston", &[("speed", "5.0"), ("loosening", "0.01")])];
+
+/// Example of plane waves in a porous medium.
+const EXAMPLE_POROUS_WAVE: &[ExampleSection] = &[
+    ("porous", &[("porosity", "0.01"), ("contact_bulk_modulus", "4.256e9")]),
+    ("piston", &[("pressure", "1e9")]),
+];
+
+/// Example of a rheological scheme with its load path.
+const EXAMPLE_RHEOLOGY: &[ExampleSection] = &[
+    ("rheology", &[("kind", "\"porous-plastic\"")]),
+    ("load_path", &[("turning_values", "[-0.05, 0.01]"), ("cycles", "2"), ("rate", "0.01")]),
+];
+
+const RHEOLOGY_HEADER: &str = "\
+# Rheological scheme: stress against strain. SI units; strains and stresses positive in tension.
+# Keys that are commented out show the default, or an example if there is none; remove the '#' to
+# set them.
+#
+# wellposed diagram FILE    diagram, energies of the elements
+
+title = \"rheological scheme: a first case\"
+# name = \"rheology\"  # name of the results folder; default: name of this file
+
+";
+
 /// Section `[compare]`, commented out; its kinds of model use only keys that all flows use.
 const COMPARE_COMMENT: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # wellposed point: models compared at this state
@@ -131,11 +167,43 @@ pub fn generate_state_template(medium: impl Into<MediumKind>) -> String {
     generate_template(medium.into(), TemplateKind::SingleState)
 }
 
-/// Generates the template of a case for a purpose.
+/// Generates the template of a case for a purpose; of a rheological scheme it is the same for all purposes.
 pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
+    if medium.kind == ModelKind::Rheology {
+        let mut blocks = SectionTemplates::new(medium.kind, COMMENT_COLUMNS[1]);
+        for table_schema in rheology::RHEOLOGY_SCHEMAS {
+            blocks.add_section(table_schema, EXAMPLE_RHEOLOGY);
+        }
+        return RHEOLOGY_HEADER.to_owned() + &blocks.into_text();
+    }
+    let purpose = match purpose {
+        TemplateKind::GranularPlaneWave | TemplateKind::PorousPlaneWave
+            if medium.kind.name() != ELASTIC_KIND || medium.yield_set.is_some() =>
+        {
+            TemplateKind::SingleState
+        }
+        _ => purpose,
+    };
     let mut text = format_header(medium, purpose);
     write_keys(&mut text, medium, purpose);
     let kind = medium.kind;
+    let plane_wave = match purpose {
+        TemplateKind::GranularPlaneWave => Some((
+            EXAMPLE_GRANULAR_WAVE,
+            [&GRANULAR_SCHEMA, &PISTON_SCHEMA, &SPALL_SCHEMA].as_slice(),
+        )),
+        TemplateKind::PorousPlaneWave => {
+            Some((EXAMPLE_POROUS_WAVE, [&POROUS_SCHEMA, &PISTON_SCHEMA].as_slice()))
+        }
+        _ => None,
+    };
+    if let Some((start, table_schemas)) = plane_wave {
+        let mut blocks = SectionTemplates::new(kind, COMMENT_COLUMNS[1]);
+        for table_schema in table_schemas {
+            blocks.add_section(table_schema, start);
+        }
+        return text + "\n" + &blocks.into_text();
+    }
     let sets = kind.admissible_yield_sets();
     if medium.yield_set.is_none() && !sets.is_empty() {
         let names: Vec<&str> = sets.iter().map(|set| set.name).collect();
@@ -171,6 +239,8 @@ pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
 fn format_header(medium: MediumKind, purpose: TemplateKind) -> String {
     let kind = medium.kind;
     let is_flow = matches!(kind, ModelKind::Flow(_));
+    let is_plane_wave =
+        matches!(purpose, TemplateKind::GranularPlaneWave | TemplateKind::PorousPlaneWave);
     format!(
         "\
 # {what}. SI units; angles in degrees, anticlockwise from x₁.
@@ -187,19 +257,24 @@ kind = \"{name}\"
 ",
         what = match purpose {
             TemplateKind::SingleState => "Analysis of one state of one material",
+            TemplateKind::GranularPlaneWave => "Plane waves in a granular medium",
+            TemplateKind::PorousPlaneWave => "Plane waves in a porous medium",
             TemplateKind::BlockySimulation if !is_flow =>
                 "Time-domain simulation of a blocky medium in plane strain",
             _ if is_flow => "Time-domain simulation of a flow",
             _ => "Time-domain simulation of a solid in plane strain",
         },
         verbs = match kind {
+            _ if is_plane_wave =>
+                "# wellposed shocks FILE    waves behind a piston: speeds, states, dissipation",
             _ if purpose != TemplateKind::SingleState =>
                 "# wellposed run FILE    fields, receiver records, energy ledger",
             ModelKind::Flow(_) => {
                 "# wellposed point FILE    full report on this state
 # wellposed map FILE      verdicts over the two parameters of [map]"
             }
-            ModelKind::Solid(_) => {
+            // Schemes have a template of their own.
+            ModelKind::Solid(_) | ModelKind::Rheology => {
                 "# wellposed dispersion FILE    dispersion relation: frequencies and speeds against wave number
 # wellposed speeds FILE        characteristic speeds against direction
 # wellposed check FILE         predicted frequencies compared with those of the solver

@@ -12,13 +12,18 @@ use testkit::ranges::{closed_ends, values_just_inside, values_outside};
 use wellposed_cases::schema::{TableSchema, ValueType};
 use wellposed_cases::template::{TemplateKind, generate_template};
 use wellposed_cases::{
-    Case, Key, MediumKind, all_schemas, generate_json_schema, generate_reference, keys,
+    Case, Key, MediumKind, ModelKind, all_schemas, generate_json_schema, generate_reference, keys,
 };
 
 type KeyNames = BTreeSet<String>;
 
-const ALL_TEMPLATES: [TemplateKind; 3] =
-    [TemplateKind::SingleState, TemplateKind::Simulation, TemplateKind::BlockySimulation];
+const ALL_TEMPLATES: [TemplateKind; 5] = [
+    TemplateKind::SingleState,
+    TemplateKind::Simulation,
+    TemplateKind::BlockySimulation,
+    TemplateKind::GranularPlaneWave,
+    TemplateKind::PorousPlaneWave,
+];
 
 /// Returns all keys by section and name, e.g. `model.mu`, `load.time.kind`. A key of both solids and flows occurs once.
 fn collect_all_keys() -> KeyNames {
@@ -115,7 +120,7 @@ fn json_schema_has_exactly_all_keys() {
 #[test]
 fn reference_page_has_exactly_all_keys() {
     let (mut names, mut section) = (KeyNames::new(), String::new());
-    let tables = ["time", "profile", "materials", "inside"];
+    let tables = ["time", "profile", "materials", "inside", "element"];
     for line in generate_reference().lines() {
         if let Some(title) = line.strip_prefix("## ").or(line.strip_prefix("### ")) {
             let name = title.split('`').nth(1).unwrap_or_default();
@@ -175,6 +180,8 @@ fn templates_have_exactly_all_keys() {
             collect_template_keys(&generate_template(medium, purpose), &mut names);
         }
     }
+    let rheology = generate_template(ModelKind::Rheology.into(), TemplateKind::SingleState);
+    collect_template_keys(&rheology, &mut names);
     let mut expected = collect_all_keys();
     // `map.x` and `map.y` are inline tables, whose keys are rows of the key table.
     names.retain(|name| name != "map.x" && name != "map.y");
@@ -183,6 +190,8 @@ fn templates_have_exactly_all_keys() {
         [_, table @ ("time" | "profile"), key] => format!("{table}.{key}"),
         ["initial", key @ ("center" | "point" | "normal")] => format!("region.{key}"),
         ["block", "materials", key] => format!("block.{key}"),
+        // The elements are a list of inline tables.
+        ["rheology", "element", _] => "rheology.element".to_owned(),
         _ => name.to_owned(),
     };
     expected = expected.iter().map(|name| fold(name)).collect();
@@ -283,7 +292,7 @@ fn bundled_resolved_and_template_cases_are_valid() {
         check(&name, &text);
         check(&name, &Case::load(&file, &[]).expect("a case").to_toml());
     }
-    for medium in MediumKind::all_media() {
+    for medium in MediumKind::all_media().chain([ModelKind::Rheology.into()]) {
         for purpose in ALL_TEMPLATES {
             let text = generate_template(medium, purpose);
             check(&medium.title(), &text);

@@ -9,7 +9,9 @@
 //! | [`flow`] | granular flows: shared equations, and one folder per model |
 //! | [`solid`] | elastic laws, their linearised equations, and their waves in closed form |
 //! | [`yield_set`] | yield sets: conditions, return mapping, tangent of the flow rule |
-//! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
+//! | [`granular_medium`], [`porous`] | media whose contacts open and whose pores collapse |
+//! | [`uniaxial`] | uniaxial strain of such media: piecewise-linear diagrams |
+//! | [`rheology`] | stress that depends on history: rheological schemes of springs, dampers, hinges and contacts; relaxation of the deviator |
 //! | [`interface`] | face laws: fluxes from the Riemann invariants incoming at a face, with history variables |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
 //! | [`registry`] | flows, elastic solids, yield sets and layers by name; a program adds one of the first three with one call |
@@ -28,10 +30,13 @@
 pub mod common;
 pub mod elastoplastic;
 pub mod flow;
+pub mod granular_medium;
 pub mod interface;
+pub mod porous;
 pub mod registry;
 pub mod rheology;
 pub mod solid;
+pub mod uniaxial;
 pub mod yield_set;
 
 pub use common::input::InputError;

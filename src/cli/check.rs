@@ -1,6 +1,6 @@
 //! `wellposed check`: compares predicted with measured waves, for a case or for all cases in a folder.
 
-use super::load::{load_case, print_hints};
+use super::load::print_hints;
 use super::progress::run_with_progress;
 use super::write::{list_planned_paths, print_plan, write_report};
 use crate::case::Case;
@@ -36,7 +36,8 @@ fn check_case(
     pool: &ThreadPool,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    let case = load_case(options)?;
+    let case = Case::load(&options.case_path, &options.settings)?;
+    print_hints(&case);
     let plan = CheckPlan::new(&case, CheckExtent::Full)?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {

@@ -4,10 +4,14 @@ use super::{CommandError, Options};
 use crate::case::Case;
 use std::io::Write;
 
-/// Loads the case file of a verb and prints hints on former key names in it.
+/// Loads the case file of a verb for flows and solids and prints hints on former key names in it.
+///
+/// # Errors
+/// The case is invalid, or describes a rheological scheme.
 pub(super) fn load_case(options: &Options) -> Result<Case, CommandError> {
     let case = Case::load(&options.case_path, &options.settings)?;
     print_hints(&case);
+    case.require_model()?;
     Ok(case)
 }
 

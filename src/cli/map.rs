@@ -21,6 +21,7 @@ pub fn run_map(
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
     let case = load_case(options)?;
+    case.check_without_contacts()?;
     let map = *case.require_map()?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     let states = map.x.point_count * map.y.point_count;

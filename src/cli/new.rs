@@ -2,6 +2,7 @@
 
 use crate::case::{MediumKind, ModelKind};
 use crate::cli::folder::{OutputError, write_file};
+use models::registry;
 use std::path::{Path, PathBuf};
 
 pub use crate::case::template::{TemplateKind, generate_state_template, generate_template};
@@ -26,6 +27,15 @@ pub fn write_template(
             path,
             cause: format!("nothing determines the spin of {}", medium.kind.name()),
             remedy: "name another model: this one cannot be run in time",
+        });
+    }
+    let is_plane_wave =
+        matches!(purpose, TemplateKind::GranularPlaneWave | TemplateKind::PorousPlaneWave);
+    if is_plane_wave && medium != MediumKind::from(ModelKind::Solid(registry::CLASSICAL)) {
+        return Err(OutputError {
+            path,
+            cause: format!("plane waves of {}", medium.title()),
+            remedy: "name the kind classical without a yield set",
         });
     }
     write_file(&path, generate_template(medium, purpose).as_bytes())?;

@@ -16,6 +16,7 @@ use std::io::Write;
 /// The case is invalid, or results cannot be written.
 pub fn run_point(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let case = load_case(options)?;
+    case.check_without_contacts()?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     let pool = create_thread_pool(options.thread_count)?;
     let found =

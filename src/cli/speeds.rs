@@ -16,6 +16,7 @@ use std::io::Write;
 /// The case is invalid, or results cannot be written.
 pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let case = load_case(options)?;
+    case.check_without_contacts()?;
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;

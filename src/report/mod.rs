@@ -3,12 +3,14 @@
 pub mod bloch;
 pub mod check;
 pub mod compare;
+pub mod diagram;
 pub mod dispersion;
 pub mod format;
 pub mod homogenise;
 pub mod map;
 pub mod point;
 pub mod run;
+pub mod shocks;
 pub mod speeds;
 
 use crate::Error;

@@ -5,6 +5,7 @@ pub mod blocky;
 pub mod check;
 pub mod flow;
 pub(crate) mod flow_run;
+pub mod plane_wave;
 pub mod solid;
 pub(crate) mod solid_run;
 

@@ -76,6 +76,9 @@ pub(crate) fn compute_time_steps(
     })
 }
 
+/// Least radius of point sources and loads in cells per step of the longitudinal waves in a step of the shear waves.
+const MIN_RADIUS_IN_STRIDES: f64 = 6.0;
+
 /// Returns the number of steps per step of the shear waves: with `time.courant_of = "s"` the ratio of the wave speeds,
 /// else 1.
 fn find_shear_interval(solid_run: &SolidRun, media: &[Medium]) -> Result<usize, CaseError> {
@@ -114,7 +117,38 @@ fn find_shear_interval(solid_run: &SolidRun, media: &[Medium]) -> Result<usize, 
         }
         interval = nearest as usize;
     }
+    check_kernels(solid_run, interval)?;
     Ok(interval)
+}
+
+/// Checks that no source or load is concentrated in few cells if shear waves have steps of their own: a source acts in
+/// each step, while waves move by several cells from step to step, so that it excites waves of twice as many cells.
+fn check_kernels(solid_run: &SolidRun, interval: usize) -> Result<(), CaseError> {
+    let cells = MIN_RADIUS_IN_STRIDES * interval as f64;
+    let spacing = solid_run.grid.spacing.iter().copied().fold(0.0, f64::max);
+    let of_load = |load: &case::FaceLoad| match load.loaded_area {
+        case::LoadedArea::Point { kernel, .. } => Some(kernel),
+        case::LoadedArea::WholeFace | case::LoadedArea::Rectangle(_) => None,
+    };
+    let loads = solid_run.loads.iter().map(of_load).enumerate();
+    let sources = solid_run.sources.iter().map(|own| Some(own.kernel)).enumerate();
+    let entries = loads.map(|own| ("load", own)).chain(sources.map(|own| ("source", own)));
+    for (section, (index, kernel)) in entries {
+        let found = match kernel {
+            None => continue,
+            Some(case::Kernel::Bell { radius }) if radius >= cells * spacing => continue,
+            Some(case::Kernel::Bell { radius }) => format!("found a bell of radius {radius} m"),
+            Some(case::Kernel::Spline) => "found the kernel spline".to_owned(),
+            Some(case::Kernel::Cell) => "found the kernel cell".to_owned(),
+        };
+        let allowed = format!(
+            "with time.courant_of = \"s\" expected a bell of at least {cells} cells, radius {} m: \
+             narrower ones excite short waves that the scheme does not damp",
+            cells * spacing
+        );
+        return Err(solid_run.key_error(&format!("{section}[{index}]"), found, allowed));
+    }
+    Ok(())
 }
 
 /// Converts reconstruction, plastic step and splitting of the scheme of a case to those of the solver.

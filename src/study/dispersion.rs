@@ -110,6 +110,7 @@ pub fn compute_dispersion(
     case: &Case,
     on_progress: ProgressCallback,
 ) -> Result<DispersionResult, Error> {
+    case.check_without_contacts()?;
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     if solid.plastic_state.as_ref().is_some_and(|plastic| plastic.multiplier_rate > 0.0) {

@@ -7,22 +7,26 @@ mod available_memory;
 pub mod bloch;
 pub mod check;
 pub mod compare;
+pub mod diagram;
 pub mod dispersion;
 pub mod extremes;
 pub mod format;
 pub mod homogenise;
 pub mod map;
 pub mod point;
+pub mod shocks;
 pub mod simulate;
 pub mod speeds;
 
 pub use bloch::{BandStructureResult, compute_bloch_waves};
 pub use check::{CheckResult, check_agreement};
 pub use compare::{ComparisonResult, compare_runs};
+pub use diagram::{DiagramResult, compute_diagram};
 pub use dispersion::{DispersionResult, compute_dispersion};
 pub use homogenise::{HomogeniseResult, homogenise};
 pub use map::{MapOptions, MapResult, check_map, compute_map};
 pub use point::{FlowAnalysis, PointResult, SolidAnalysis, analyse_point};
+pub use shocks::{ShocksResult, compute_shocks};
 pub use simulate::{RunResult, simulate};
 pub use speeds::{SpeedsResult, compute_speeds};
 

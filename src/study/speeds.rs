@@ -119,6 +119,7 @@ pub struct Hemisphere {
 /// # Errors
 /// The case is not a valid solid, its state cannot be analysed, or the study was cancelled.
 pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<SpeedsResult, Error> {
+    case.check_without_contacts()?;
     let locate_error = |error| setup::locate_state_error(&case.material, error);
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;

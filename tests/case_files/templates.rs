@@ -49,9 +49,13 @@ fn bundled_cases_are_valid_and_have_header_comments() {
         assert!(!case.title.is_empty(), "{path}");
         let verb = if case.time_domain_run().is_ok() {
             if path.starts_with("cases/check/") { "check" } else { "run" }
+        } else if case.rheology.is_some() {
+            wellposed::compute_diagram(&case).unwrap_or_else(|error| panic!("{error}"));
+            "diagram"
         } else if let ModelKind::Solid(_) = case.material.kind {
             setup::solid::create_solid(&case.material).unwrap_or_else(|error| panic!("{error}"));
             match case.map.is_some() {
+                _ if case.plane_wave.is_some() => "shocks",
                 true => "map",
                 false if path.starts_with("cases/check/") => "check",
                 false => "dispersion",

@@ -39,6 +39,10 @@ def list_verbs(path):
         return ["run", "point", "check"]
     if folder == "flow":
         return ["run", "point", "map", "check"]
+    if folder == "porous":
+        return ["shocks"]
+    if folder == "rheology":
+        return ["diagram"]
     return STATE_VERBS
 
 

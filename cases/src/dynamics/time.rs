@@ -31,7 +31,7 @@ pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::OneOf(|_| variant_names(CourantWaves::ALL, CourantWaves::name)),
             "",
             "\"fastest\"",
-            "waves of the Courant number: fastest, or s: shear waves too, in elastic solids whose longitudinal waves are 2 or 3 times as fast; they take 2 or 3 steps for each step of the shear waves",
+            "waves of the Courant number: fastest, or s: shear waves too, in classical solids whose longitudinal waves are 2 or 3 times as fast and take as many steps for each step of the shear waves; for plane waves along the axes, oblique waves have larger errors",
         ),
         KeySchema::new_with_default(
             "rotation_deg",

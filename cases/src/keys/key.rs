@@ -231,6 +231,8 @@ impl Key {
             return false;
         }
         match (self.model_filter, kind) {
+            // Of the scalar keys a rheological scheme has only those before the first section.
+            (ModelFilter::AllModels, ModelKind::Rheology) => self.split_section().0.is_empty(),
             (ModelFilter::AllModels, _) => true,
             (ModelFilter::Flows(uses), ModelKind::Flow(flow)) => uses(flow),
             (ModelFilter::Solids(uses), ModelKind::Solid(solid)) => uses(solid),

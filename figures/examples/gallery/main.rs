@@ -2,21 +2,25 @@
 //! the figures whose names begin with it.
 
 mod bands;
+mod diagrams;
 mod fields;
 mod growth_rates;
 mod joints;
+mod panels;
 mod records;
 mod sampling;
 mod verdict_maps;
 mod waves;
 
 use crate::bands::build_band_figure;
+use crate::diagrams::build_diagram;
 use crate::fields::{
     build_bar_field, build_crack_field, build_energy_field, build_field_pair,
     build_two_material_field, build_wave_field, build_wave_frame,
 };
 use crate::growth_rates::{build_directions_figure, build_growth_figure, build_polar_figure};
 use crate::joints::{build_circulation_field, build_joint_field};
+use crate::panels::build_panels_figure;
 use crate::records::{build_ledger, build_seismogram};
 use crate::sampling::sample_interval;
 use crate::verdict_maps::{build_all_verdicts_map, build_noncoaxiality_map};
@@ -48,6 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("dispersion_growth", &|format| build_dispersion_figure(true).draw(format))?;
     save("bands", &|format| build_band_figure(false).draw(format))?;
     save("bands_damped", &|format| build_band_figure(true).draw(format))?;
+    save("diagram", &|format| build_diagram().draw(format))?;
     save("field_wave", &|format| build_wave_field().draw(format))?;
     save("field_materials", &|format| build_two_material_field().draw(format))?;
     save("field_bar", &|format| build_bar_field().draw(format))?;
@@ -67,6 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if "wave.gif".starts_with(&prefix) {
         std::fs::write(folder.join("wave.gif"), animate(&frames, 0.08, 800)?)?;
     }
+    save("panels", &|format| build_panels_figure().draw(format))?;
     save("speeds", &|format| build_speeds_figure().draw(format))?;
     save("sphere", &|format| build_sphere_figure(false).draw(format))?;
     save("sphere_growth", &|format| build_sphere_figure(true).draw(format))

@@ -17,10 +17,10 @@ mod verify;
 pub use checksums::Damage;
 pub use error::OutputError;
 pub use names::{
-    AppendedFile, BLOCH_FILES, CHECK_FILES, COMPARISON_FILES, DISPERSION_FILES, JOINT_ARCHIVE_FILE,
-    JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES, RUN_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES,
-    has_joint_files, is_snapshot_name, joint_snapshot_file_name, result_file_names,
-    snapshot_file_name, snapshot_file_names,
+    AppendedFile, BLOCH_FILES, CHECK_FILES, COMPARISON_FILES, DIAGRAM_FILES, DISPERSION_FILES,
+    JOINT_ARCHIVE_FILE, JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES, RUN_FILES, SHOCKS_FILES,
+    SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files, is_snapshot_name, joint_snapshot_file_name,
+    result_file_names, snapshot_file_name, snapshot_file_names,
 };
 
 pub use publication::Publication;

@@ -49,6 +49,10 @@ pub const BLOCH_FILES: [&str; 6] = [
 /// Name of the archive that `dispersion` writes for blocky media only.
 const BLOCH_ARCHIVE_FILE: &str = "dispersion.npz";
 
+/// Names of the files of `diagram`, in addition to the common files.
+pub const DIAGRAM_FILES: [&str; 5] =
+    ["diagram.png", "diagram.svg", "diagram.csv", "diagram.json", "diagram.txt"];
+
 /// Names of the files of `speeds`, in addition to the common files; the last three in three dimensions only.
 pub const SPEEDS_FILES: [&str; 8] = [
     "speeds.png",
@@ -59,6 +63,20 @@ pub const SPEEDS_FILES: [&str; 8] = [
     "sphere.png",
     "sphere.svg",
     "sphere.csv",
+];
+
+/// Names of the files of `shocks`, in addition to the common files: those of `spall` only for a pulse at a free end, the
+/// others except the last two only for a piston.
+pub const SHOCKS_FILES: [&str; 9] = [
+    "shocks.png",
+    "shocks.svg",
+    "shocks.csv",
+    "profile.csv",
+    "spall.png",
+    "spall.svg",
+    "spall.csv",
+    "shocks.json",
+    "shocks.txt",
 ];
 
 /// Names of the files of `check`, in addition to the common files; the last two only if a perturbation is refined.
@@ -204,7 +222,9 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
         .chain(POINT_FILES)
         .chain(DISPERSION_FILES)
         .chain([BLOCH_ARCHIVE_FILE])
+        .chain(DIAGRAM_FILES)
         .chain(SPEEDS_FILES)
+        .chain(SHOCKS_FILES)
         .chain(CHECK_FILES)
         .chain(COMPARISON_FILES)
         .chain(RUN_FILES);

@@ -35,7 +35,7 @@ impl Display for SimulationPlan {
                 )?;
                 match shear_interval {
                     1 => Ok(()),
-                    _ => write!(formatter, ", {shear_interval} for each of the shear waves"),
+                    _ => write!(formatter, ", {shear_interval} per step of the shear waves"),
                 }
             }
             ProblemSize::Flow {
@@ -137,6 +137,10 @@ impl Display for SimulationWarning {
                 "the residual of the energy ledger is {} % of its largest term, more than rounding: numbers may be too \
                  large or too small for scheme.precision",
                 format_short(100.0 * part)
+            ),
+            Self::ObliqueWaves => formatter.write_str(
+                "time.courant_of = \"s\" is exact for plane waves along the axes only: waves oblique to them, and waves \
+                 scattered by joints, have several times the error of courant_of = \"fastest\"",
             ),
             Self::Sawtooth { entry_key: entry } => write!(
                 formatter,

@@ -43,6 +43,9 @@ impl CheckPlan {
     /// # Errors
     /// The case is invalid, or its state cannot be analysed.
     pub fn new(case: &Case, extent: CheckExtent) -> Result<Self, Error> {
+        if let Err(error) = case.require_model().and_then(|()| case.check_without_contacts()) {
+            return Ok(Self::NotMeasurable(format_reason(error)));
+        }
         check_magnitudes(case)?;
         if let ModelKind::Solid(_) = case.material.kind {
             let media =

@@ -97,6 +97,7 @@ pub fn compute_map(
     options: MapOptions,
     progress: ProgressCallback,
 ) -> Result<MapResult, Error> {
+    case.check_without_contacts()?;
     let map = case.require_map()?;
     check_memory(case, map)?;
     let options = options.with_swept_wave(map);

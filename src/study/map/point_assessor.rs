@@ -266,6 +266,7 @@ impl<'a> PointAssessor<'a> {
                     assessed => assessed,
                 }
             }
+            ModelKind::Rheology => Err(StateError::Input(self.case.material.rheology_error())),
         }
     }
 

@@ -75,11 +75,13 @@ impl PointResult {
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 pub fn analyse_point(case: &Case, on_progress: ProgressCallback) -> Result<PointResult, Error> {
+    case.check_without_contacts()?;
     match case.material.kind {
         ModelKind::Flow(_) => Ok(PointResult::Flow(flow::analyse_flow(case, on_progress)?)),
         ModelKind::Solid(_) => {
             Ok(PointResult::Solid(Box::new(solid::analyse_solid(case, on_progress)?)))
         }
+        ModelKind::Rheology => Err(case.locate_error(case.material.rheology_error()).into()),
     }
 }
 

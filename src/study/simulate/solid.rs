@@ -14,8 +14,8 @@ use super::{
 };
 use crate::Error;
 use crate::case::dynamics::{
-    Blocks, BoundaryConditionKind, BoundaryFace, DimensionalSplitting, FaceCondition, FaceLoad,
-    Kernel, LedgerDetail, LoadedArea, Precision, SolidRun, StateComponent, TimeFunction,
+    Blocks, BoundaryConditionKind, BoundaryFace, CourantWaves, DimensionalSplitting, FaceCondition,
+    FaceLoad, Kernel, LedgerDetail, LoadedArea, Precision, SolidRun, StateComponent, TimeFunction,
 };
 use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{
@@ -291,6 +291,8 @@ impl SimulationJob for SolidJob<'_> {
 
     fn find_warnings(&self) -> Result<Vec<SimulationWarning>, Error> {
         const MIN_STEPS_PER_TIME_SCALE: f64 = 4.0;
+        /// Largest number of rows of cells of a column, in which waves are plane.
+        const MAX_ROWS_OF_COLUMN: usize = 4;
         let step = compute_time_steps(self.solid_run, &self.media)?.step;
         let loads =
             self.solid_run.loads.iter().map(|load| ("load", &load.time_function)).enumerate();
@@ -308,6 +310,11 @@ impl SimulationJob for SolidJob<'_> {
         };
         let mut warnings: Vec<SimulationWarning> =
             loads.chain(sources).filter_map(warning).collect();
+        let wide_axes =
+            self.solid_run.grid.cells.iter().filter(|count| **count > MAX_ROWS_OF_COLUMN);
+        if self.solid_run.time.courant_waves == CourantWaves::Shear && wide_axes.count() > 1 {
+            warnings.push(SimulationWarning::ObliqueWaves);
+        }
         if self.solid_run.time.courant_number == 1.0 {
             let loads = self.solid_run.loads.iter().enumerate();
             let of_load = |own: &FaceLoad| match &own.loaded_area {
