@@ -140,10 +140,10 @@ impl<N: Number> PorousElasticity<N> {
     }
 }
 
-/// Returns `x`, or 1 if `x` = 0, so that a quotient that is not used stays finite.
+/// Returns `x`, or 1 if `x` is zero or subnormal, so that its reciprocal is finite.
 #[inline(always)]
 fn safe_divisor<N: Number>(x: N) -> N {
-    x.select_gt(N::ZERO, x, N::ZERO.select_gt(x, x, N::ONE))
+    x.select_gt(N::MIN_POSITIVE, x, (-N::MIN_POSITIVE).select_gt(x, x, N::ONE))
 }
 
 /// Law of the normal component of a porous layer.

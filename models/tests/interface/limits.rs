@@ -223,3 +223,29 @@ fn layers_take_the_static_traction() {
         assert!(!has_strength || (record.shear_stress - target[1]).abs() < 1e-9, "{name}");
     }
 }
+
+/// Verifies that the tails of waves, whose squares and reciprocals leave the range of numbers, keep all laws finite.
+#[test]
+fn laws_stay_finite_for_subnormal_waves() {
+    for (name, material) in layer_materials() {
+        let law = material.to_law(MassDistribution::Box);
+        for exponent in [-150, -200, -290, -300, -304, -306, -307, -308, -310, -315, -320, -323] {
+            let scale = 10f64.powi(exponent);
+            let mut waves = RandomLoad::new(5);
+            let mut history = initial_history(&law, [[0.0; 2]; 2]);
+            for number in 0..400 {
+                let incoming = waves.next().map(|own| RiemannData {
+                    invariant: own.invariant.map(|value| value * scale),
+                    ..own
+                });
+                let states = law.advance(&incoming, &step_interval(number, 0.1), &mut history);
+                let mut all =
+                    states.as_flattened().iter().flat_map(|own| [own.velocity, own.stress]);
+                assert!(
+                    all.all(f64::is_finite) && history.iter().all(|own| own.is_finite()),
+                    "{name}, 1e{exponent}, step {number}: {states:?}"
+                );
+            }
+        }
+    }
+}
