@@ -15,7 +15,7 @@ use crate::schema::TableSchema;
 use crate::section::{SectionReader, TableWriter};
 use keys::{ELEMENT_KEY, ELEMENT_SCHEMA, KIND_KEY, TREE_KEY};
 use models::rheology::element::{self, Element};
-use models::rheology::load_path::{LoadPath, TraceError};
+use models::rheology::load_path::{LoadPath, ResponseError};
 use models::rheology::named::{NamedSchemeError, find_named_scheme};
 use models::rheology::scheme::{NamedElement, RheologicalScheme, SchemeError};
 
@@ -89,7 +89,7 @@ impl RheologyCase {
         let own = Self { kind, title, constants, scheme, history, path, positions };
         match own.scheme.check_control(own.path.control()) {
             Ok(()) => Ok(own),
-            Err(error) => Err(own.locate_trace_error(&error.into())),
+            Err(error) => Err(own.locate_response_error(&error.into())),
         }
     }
 
@@ -118,14 +118,14 @@ impl RheologyCase {
     }
 
     /// Adds the position in the case file to the error of a diagram.
-    pub fn locate_trace_error(&self, error: &TraceError) -> CaseError {
+    pub fn locate_response_error(&self, error: &ResponseError) -> CaseError {
         match error {
-            TraceError::Scheme(error) => {
+            ResponseError::Scheme(error) => {
                 let key = if self.kind == TREE_KIND { TREE_KEY } else { KIND_KEY };
                 let found = format!("found {}", self.scheme.notation());
                 self.positions.key_error(&format!("rheology.{key}"), found, error.to_string())
             }
-            TraceError::Step { .. } => {
+            ResponseError::Step { .. } => {
                 let key = format!("load_path.{}", self.history.values_key());
                 let allowed = "give values that the scheme can reach";
                 self.positions.key_error(&key, error.to_string(), allowed)

@@ -8,7 +8,7 @@ use crate::study::diagram::{DiagramResult, SegmentResult};
 use figures::{DiagramCurve, DiagramFigure};
 use files::csv::{CsvCell, format_table};
 use models::rheology::element::Element;
-use models::rheology::load_path::TracePoint;
+use models::rheology::load_path::ResponsePoint;
 use std::fmt::Write as _;
 
 /// Maximum number of segments in the text report; the JSON report has all.
@@ -119,7 +119,7 @@ impl DiagramResult {
     }
 
     /// Energy that an element has stored and dissipated, J/m³.
-    fn energy_of_element(&self, point: &TracePoint, index: usize) -> f64 {
+    fn energy_of_element(&self, point: &ResponsePoint, index: usize) -> f64 {
         let (element, state) =
             (&self.rheological_scheme.elements()[index].element, &point.state.elements[index]);
         element.stored_energy(state) + state.dissipated_energy
@@ -133,7 +133,7 @@ impl DiagramResult {
         for own in scheme.elements() {
             header.extend(["strain", "stress", "energy"].map(|end| format!("{}_{end}", own.name)));
         }
-        let rows = self.trace.iter().map(|point| {
+        let rows = self.response.iter().map(|point| {
             let state = &point.state;
             let mut row: Vec<CsvCell> = vec![
                 point.time.into(),
@@ -155,9 +155,9 @@ impl DiagramResult {
     }
 
     fn create_figure(&self, case: &Case) -> DiagramFigure {
-        let curve = |label: String, value: &dyn Fn(&TracePoint) -> f64| DiagramCurve {
+        let curve = |label: String, value: &dyn Fn(&ResponsePoint) -> f64| DiagramCurve {
             label,
-            points: self.trace.iter().map(|point| [point.time, value(point)]).collect(),
+            points: self.response.iter().map(|point| [point.time, value(point)]).collect(),
         };
         let mut curves = vec![curve("work".to_owned(), &|point| point.state.work)];
         for (index, own) in self.rheological_scheme.elements().iter().enumerate() {
@@ -175,7 +175,7 @@ impl DiagramResult {
             subtitle: format!("{}: {}", scheme_title(case), self.tree),
             strain_label: "strain ε, positive in tension".to_owned(),
             stress_label: "stress σ (Pa), positive in tension".to_owned(),
-            path: self.trace.iter().map(|own| [own.state.strain, own.state.stress]).collect(),
+            path: self.response.iter().map(|own| [own.state.strain, own.state.stress]).collect(),
             time_label: "time t (s)".to_owned(),
             curve_label: "energy per volume (J/m³)".to_owned(),
             curves,

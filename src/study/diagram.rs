@@ -4,7 +4,7 @@
 use crate::Error;
 use crate::case::{Case, RheologyCase};
 use models::rheology::element::Element;
-use models::rheology::load_path::{Activity, DiagramSegment, TracePoint};
+use models::rheology::load_path::{Activity, DiagramSegment, ResponsePoint};
 use models::rheology::scheme::{LoadControl, RheologicalScheme};
 use serde::Serialize;
 
@@ -44,7 +44,7 @@ pub struct DiagramResult {
     pub rheological_scheme: RheologicalScheme,
     /// States along the path.
     #[serde(skip)]
-    pub trace: Vec<TracePoint>,
+    pub response: Vec<ResponsePoint>,
 }
 
 /// An element at the end of the path.
@@ -112,21 +112,22 @@ pub struct SegmentResult {
 pub fn compute_diagram(case: &Case) -> Result<DiagramResult, Error> {
     let rheology = case.require_rheology()?;
     let RheologyCase { scheme, path, .. } = rheology;
-    let trace = scheme.trace(path).map_err(|error| rheology.locate_trace_error(&error))?;
-    let segments = scheme.find_segments(&trace);
-    let range = |value: fn(&TracePoint) -> f64| {
-        trace
+    let response =
+        scheme.compute_response(path).map_err(|error| rheology.locate_response_error(&error))?;
+    let segments = scheme.find_segments(&response);
+    let range = |value: fn(&ResponsePoint) -> f64| {
+        response
             .iter()
             .map(value)
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     };
     let (mut largest_energy, mut largest_residual): (f64, f64) = (0.0, 0.0);
-    for TracePoint { state, .. } in &trace {
+    for ResponsePoint { state, .. } in &response {
         let energies = [state.stored_energy(scheme), state.dissipated_energy(), state.step_loss()];
         largest_energy = energies.into_iter().fold(largest_energy.max(state.work.abs()), f64::max);
         largest_residual = largest_residual.max(state.ledger_residual(scheme).abs());
     }
-    let last = trace.last().map_or_else(|| scheme.rest_state(), |point| point.state.clone());
+    let last = response.last().map_or_else(|| scheme.rest_state(), |point| point.state.clone());
     let element = |(own, state): (&models::rheology::scheme::NamedElement, _)| {
         let state: &models::rheology::element::ElementState = state;
         ElementResult {
@@ -146,7 +147,7 @@ pub fn compute_diagram(case: &Case) -> Result<DiagramResult, Error> {
             LoadControl::Strain => "strain",
             LoadControl::Stress => "stress",
         },
-        steps: trace.len() - 1,
+        steps: response.len() - 1,
         stress_range: range(|point| point.state.stress),
         strain_range: range(|point| point.state.strain),
         work: last.work,
@@ -158,18 +159,18 @@ pub fn compute_diagram(case: &Case) -> Result<DiagramResult, Error> {
             false => 0.0,
         },
         elements: scheme.elements().iter().zip(&last.elements).map(element).collect(),
-        segments: segments.iter().map(|own| summarise_segment(scheme, &trace, own)).collect(),
+        segments: segments.iter().map(|own| summarise_segment(scheme, &response, own)).collect(),
         rheological_scheme: scheme.clone(),
-        trace,
+        response,
     })
 }
 
 fn summarise_segment(
     scheme: &RheologicalScheme,
-    trace: &[TracePoint],
+    response: &[ResponsePoint],
     segment: &DiagramSegment,
 ) -> SegmentResult {
-    let ends = [&trace[segment.start], &trace[segment.end]];
+    let ends = [&response[segment.start], &response[segment.end]];
     let named = |activity: Activity| {
         let pairs = scheme.elements().iter().zip(&segment.activities);
         pairs.filter(|(_, own)| **own == activity).map(|(own, _)| own.name.clone()).collect()

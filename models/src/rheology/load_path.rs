@@ -40,7 +40,7 @@ pub enum LoadPathError {
 
 /// Reason why a diagram cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TraceError {
+pub enum ResponseError {
     /// The control of the path does not determine strain and stress of the scheme.
     #[error(transparent)]
     Scheme(#[from] SchemeError),
@@ -56,7 +56,7 @@ pub enum TraceError {
 
 /// State at a time of a load path.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TracePoint {
+pub struct ResponsePoint {
     /// Time, s.
     pub time: f64,
     /// Segment of the load path that ends or continues here, counted from 0; `None` before the first segment.
@@ -87,7 +87,7 @@ pub enum Activity {
 /// Part of a diagram in which no element changes its activity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagramSegment {
-    /// Index of the point of the trace at which the part starts.
+    /// Index of the point of the response at which the part starts.
     pub start: usize,
     /// Index of the point at which it ends.
     pub end: usize,
@@ -181,18 +181,18 @@ impl RheologicalScheme {
     ///
     /// # Errors
     /// The control does not determine strain and stress of the scheme, or a step has no end state.
-    pub fn trace(&self, path: &LoadPath) -> Result<Vec<TracePoint>, TraceError> {
+    pub fn compute_response(&self, path: &LoadPath) -> Result<Vec<ResponsePoint>, ResponseError> {
         self.check_control(path.control)?;
         let [start, first] = path.points[0];
         let mut state = self.rest_state();
-        let mut trace = Vec::with_capacity(path.steps_per_segment * path.points.len());
-        trace.push(self.create_point(start, None, &state, &state));
+        let mut response = Vec::with_capacity(path.steps_per_segment * path.points.len());
+        response.push(self.create_point(start, None, &state, &state));
         let mut step = |state: &mut SchemeState, time, duration, target, path_segment| {
             let last = state.clone();
             self.advance(state, path.control, target, duration)
-                .map_err(|error| TraceError::Step { time, error })?;
-            trace.push(self.create_point(time, path_segment, &last, state));
-            Ok::<(), TraceError>(())
+                .map_err(|error| ResponseError::Step { time, error })?;
+            response.push(self.create_point(time, path_segment, &last, state));
+            Ok::<(), ResponseError>(())
         };
         if first != 0.0 {
             step(&mut state, start, 0.0, first, None)?;
@@ -213,15 +213,15 @@ impl RheologicalScheme {
                 step(&mut state, at(from_time, to_time), duration, at(from, to), Some(index))?;
             }
         }
-        Ok(trace)
+        Ok(response)
     }
 
-    /// Divides a trace into parts in which no element changes its activity. A new part starts at each point of the
+    /// Divides a response into parts in which no element changes its activity. A new part starts at each point of the
     /// load path. A change inside a step counts from the start of that step.
-    pub fn find_segments(&self, trace: &[TracePoint]) -> Vec<DiagramSegment> {
+    pub fn find_segments(&self, response: &[ResponsePoint]) -> Vec<DiagramSegment> {
         let has_damper = self.has_damper();
         let mut segments: Vec<DiagramSegment> = Vec::new();
-        for (index, pair) in trace.windows(2).enumerate() {
+        for (index, pair) in response.windows(2).enumerate() {
             let [last, point] = [&pair[0], &pair[1]];
             // The activities determine the slope; that of the first step may belong to the part before.
             let slope = (!has_damper).then_some(point.state.tangent_modulus);
@@ -247,7 +247,7 @@ impl RheologicalScheme {
         path_segment: Option<usize>,
         last: &SchemeState,
         state: &SchemeState,
-    ) -> TracePoint {
+    ) -> ResponsePoint {
         let increment = |index: usize| state.elements[index].strain - last.elements[index].strain;
         let count = state.elements.len();
         let largest = |value: &dyn Fn(usize) -> f64| {
@@ -259,7 +259,7 @@ impl RheologicalScheme {
             find_activity(element, &state.elements[index], increment(index), scales)
         };
         let activities = (0..count).map(activity).collect();
-        TracePoint { time, path_segment, state: state.clone(), activities }
+        ResponsePoint { time, path_segment, state: state.clone(), activities }
     }
 }
 

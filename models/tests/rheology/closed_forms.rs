@@ -1,6 +1,6 @@
 //! Schemes without dampers: diagrams in closed form, to rounding.
 
-use super::{assert_near, build, build_examples, trace};
+use super::{assert_near, build, build_examples, compute_response};
 use testkit::random::RandomNumbers;
 use wellposed_models::rheology::element::Element;
 use wellposed_models::rheology::load_path::{Activity, LoadPath};
@@ -16,7 +16,7 @@ fn check_monotone(
     stress: impl Fn(f64) -> f64,
 ) {
     let points = [[0.0, 0.0], [1.0, last_strain]];
-    for point in trace(scheme, LoadControl::Strain, &points, 173) {
+    for point in compute_response(scheme, LoadControl::Strain, &points, 173) {
         let state = point.state;
         assert_near(state.stress, stress(state.strain), stress_scale, ROUNDING);
     }
@@ -54,12 +54,9 @@ fn both_trees_of_the_heteromodular_medium_agree() {
     let mut random = RandomNumbers::new(5);
     let points: Vec<[f64; 2]> =
         (0..30).map(|index| [f64::from(index), random.uniform(-1.0, 1.0)]).collect();
-    let pairs = trace(&one, LoadControl::Strain, &points, 7).into_iter().zip(trace(
-        &other,
-        LoadControl::Strain,
-        &points,
-        7,
-    ));
+    let pairs = compute_response(&one, LoadControl::Strain, &points, 7)
+        .into_iter()
+        .zip(compute_response(&other, LoadControl::Strain, &points, 7));
     for (one, other) in pairs {
         assert_near(one.state.stress, other.state.stress, 7.0, ROUNDING);
     }
@@ -73,8 +70,8 @@ fn porous_elastic_medium_stiffens_when_its_pores_close() {
         check_monotone(&scheme, end, 1.0, |strain| a * strain + b * (strain + porosity).min(0.0));
     }
     let points = [[0.0, 0.0], [1.0, -0.1], [2.0, 0.05]];
-    let trace = trace(&scheme, LoadControl::Strain, &points, 150);
-    let segments = scheme.find_segments(&trace);
+    let response = compute_response(&scheme, LoadControl::Strain, &points, 150);
+    let segments = scheme.find_segments(&response);
     let slopes: Vec<Option<f64>> = segments.iter().map(|own| own.slope).collect();
     assert_eq!(slopes, [Some(a), Some(a + b), Some(a + b), Some(a)]);
 }
@@ -92,9 +89,10 @@ fn porous_plastic_medium_has_the_segments_of_the_closed_form() {
         for end in [-0.1, 0.1] {
             check_monotone(&scheme, end, 1.0, stress);
         }
-        let trace = trace(&scheme, LoadControl::Strain, &[[0.0, 0.0], [1.0, -0.1]], 200);
+        let response =
+            compute_response(&scheme, LoadControl::Strain, &[[0.0, 0.0], [1.0, -0.1]], 200);
         let slopes: Vec<f64> =
-            scheme.find_segments(&trace).iter().filter_map(|own| own.slope).collect();
+            scheme.find_segments(&response).iter().filter_map(|own| own.slope).collect();
         assert_eq!(slopes, expected);
     }
 }
@@ -107,9 +105,9 @@ fn porous_plastic_medium_unloads_elastically() {
     let scheme = build("porous-plastic", &[a, b, porosity, compressive, tensile]);
     for lowest in [-0.015, -0.025, -0.05, -0.3] {
         let points = [[0.0, 0.0], [1.0, lowest], [2.0, 0.2]];
-        let trace = trace(&scheme, LoadControl::Strain, &points, 211);
+        let response = compute_response(&scheme, LoadControl::Strain, &points, 211);
         let skeleton_at_turn = (a * lowest).max(-compressive);
-        for point in trace.iter().filter(|own| own.path_segment == Some(1)) {
+        for point in response.iter().filter(|own| own.path_segment == Some(1)) {
             let strain = point.state.strain;
             let skeleton = (skeleton_at_turn + a * (strain - lowest)).min(tensile);
             let stress = skeleton + b * (strain + porosity).min(0.0);
@@ -128,9 +126,9 @@ fn a_cycle_dissipates_yield_stress_times_plastic_stroke() {
     let turning = [high, low];
     for steps in [1, 2, 37] {
         let path = LoadPath::from_cycles(LoadControl::Strain, &turning, 4, 0.5, steps).expect("it");
-        let trace = scheme.trace(&path).expect("a response");
-        super::assert_ledger_is_closed(&scheme, &trace);
-        let at_turn = |number: usize| trace[number * steps].state.dissipated_energy();
+        let response = scheme.compute_response(&path).expect("a response");
+        super::assert_ledger_is_closed(&scheme, &response);
+        let at_turn = |number: usize| response[number * steps].state.dissipated_energy();
         let stroke = high - low - (compressive + tensile) / a;
         let expected = (compressive + tensile) * stroke;
         for cycle in 1..4 {
@@ -147,9 +145,9 @@ fn granular_plastic_medium_opens_and_closes_at_its_plastic_strain() {
     let scheme = build("granular-plastic", &[modulus, strength]);
     let lowest = -0.1;
     let points = [[0.0, 0.0], [1.0, lowest], [2.0, 0.05], [3.0, -0.12]];
-    let trace = trace(&scheme, LoadControl::Strain, &points, 89);
+    let response = compute_response(&scheme, LoadControl::Strain, &points, 89);
     let plastic = lowest + strength / modulus;
-    for point in &trace {
+    for point in &response {
         let strain = point.state.strain;
         let stress = match point.path_segment {
             None | Some(0) => (modulus * strain).max(-strength),
@@ -158,7 +156,7 @@ fn granular_plastic_medium_opens_and_closes_at_its_plastic_strain() {
         assert_near(point.state.stress, stress, strength, ROUNDING);
     }
     let plastic_strokes = -plastic + (0.12 + lowest).abs();
-    let dissipated = trace.last().expect("points").state.dissipated_energy();
+    let dissipated = response.last().expect("points").state.dissipated_energy();
     assert_near(dissipated, strength * plastic_strokes, dissipated, ROUNDING);
 }
 
@@ -178,8 +176,8 @@ fn the_first_of_two_free_elements_moves() {
         ];
         let scheme = RheologicalScheme::parse(elements, tree).expect("a tree");
         let points = [[0.0, 0.0], [1.0, 0.1]];
-        let trace = trace(&scheme, LoadControl::Strain, &points, 3);
-        let last = &trace.last().expect("points").state;
+        let response = compute_response(&scheme, LoadControl::Strain, &points, 3);
+        let last = &response.last().expect("points").state;
         assert_near(last.elements[moved].strain, 0.1, 0.1, ROUNDING);
         assert_eq!(last.elements[locked].strain, 0.0);
         assert_eq!(last.stress, 0.0);
@@ -191,7 +189,7 @@ fn the_first_of_two_free_elements_moves() {
 fn a_free_strain_stays_under_prescribed_stress() {
     let scheme = build("granular-elastic", &[2.0]);
     let points = [[0.0, 0.0], [1.0, -1.0], [2.0, 0.0], [3.0, -0.5]];
-    for point in trace(&scheme, LoadControl::Stress, &points, 10) {
+    for point in compute_response(&scheme, LoadControl::Stress, &points, 10) {
         assert_near(point.state.strain, 0.5 * point.state.stress, 1.0, ROUNDING);
     }
 }
@@ -220,9 +218,9 @@ fn step_losses_vanish_in_the_limit_of_short_steps() {
             LoadPath::from_cycles(LoadControl::Strain, &[-0.06, 0.01], 2, 0.1, steps).expect("it")
         };
         let loss = |steps| {
-            let trace = scheme.trace(&path(steps)).expect("a response");
-            super::assert_ledger_is_closed(&scheme, &trace);
-            trace.last().expect("points").state.step_loss()
+            let response = scheme.compute_response(&path(steps)).expect("a response");
+            super::assert_ledger_is_closed(&scheme, &response);
+            response.last().expect("points").state.step_loss()
         };
         let ratio = loss(400) / loss(800);
         assert!((1.9..2.1).contains(&ratio), "{ratio}: {}", scheme.notation());
@@ -233,8 +231,8 @@ fn step_losses_vanish_in_the_limit_of_short_steps() {
 fn activities_name_flow_and_contact() {
     let scheme = build("porous-plastic", &[2.0, 5.0, 0.03, 0.04, 0.07]);
     let points = [[0.0, 0.0], [1.0, -0.1], [2.0, 0.2]];
-    let trace = trace(&scheme, LoadControl::Strain, &points, 100);
-    let segments = scheme.find_segments(&trace);
+    let response = compute_response(&scheme, LoadControl::Strain, &points, 100);
+    let segments = scheme.find_segments(&response);
     let pairs: Vec<[Activity; 2]> =
         segments.iter().map(|own| [own.activities[1], own.activities[3]]).collect();
     use Activity::{Closed, CompressiveFlow, Locked, Open, TensileFlow};

@@ -7,7 +7,7 @@ mod random_trees;
 mod refusals;
 mod viscous;
 
-use wellposed_models::rheology::load_path::{LoadPath, TracePoint};
+use wellposed_models::rheology::load_path::{LoadPath, ResponsePoint};
 use wellposed_models::rheology::named::{self, find_named_scheme};
 use wellposed_models::rheology::scheme::{LoadControl, RheologicalScheme};
 
@@ -27,22 +27,22 @@ fn build_examples() -> Vec<RheologicalScheme> {
 }
 
 /// Traces a path of strain or stress and checks the energy ledger at every point.
-fn trace(
+fn compute_response(
     scheme: &RheologicalScheme,
     control: LoadControl,
     points: &[[f64; 2]],
     steps: usize,
-) -> Vec<TracePoint> {
+) -> Vec<ResponsePoint> {
     let path = LoadPath::new(control, points.to_vec(), steps).expect("a valid path");
-    let trace = scheme.trace(&path).expect("a response");
-    assert_ledger_is_closed(scheme, &trace);
-    trace
+    let response = scheme.compute_response(&path).expect("a response");
+    assert_ledger_is_closed(scheme, &response);
+    response
 }
 
 /// Asserts that the residual of the energy ledger is at most 1e-12 of the largest energy, at every point.
-fn assert_ledger_is_closed(scheme: &RheologicalScheme, trace: &[TracePoint]) {
+fn assert_ledger_is_closed(scheme: &RheologicalScheme, response: &[ResponsePoint]) {
     let mut largest: f64 = 0.0;
-    for point in trace {
+    for point in response {
         let state = &point.state;
         let energies = [
             state.work.abs(),

@@ -167,20 +167,25 @@ fn wrong_paths_are_refused() {
 /// A stress beyond the limits and a jump of the strain that a damper cannot follow have no end state.
 #[test]
 fn steps_without_end_state_are_refused() {
-    let trace = |name: &str, constants: &[f64], control, points: &[[f64; 2]]| {
+    let response_error = |name: &str, constants: &[f64], control, points: &[[f64; 2]]| {
         let path = LoadPath::new(control, points.to_vec(), 10).expect("a path");
-        build(name, constants).trace(&path).expect_err("no end state").to_string()
+        build(name, constants).compute_response(&path).expect_err("no end state").to_string()
     };
     assert_eq!(
-        trace("granular-elastic", &[1.0], LoadControl::Stress, &[[0.0, -1.0], [1.0, 1.0]]),
+        response_error("granular-elastic", &[1.0], LoadControl::Stress, &[[0.0, -1.0], [1.0, 1.0]]),
         "at the time 0.6 s the stress 0.19999999999999996 Pa is not borne: the stress of this scheme is from −∞ to 0.0 Pa"
     );
     assert_eq!(
-        trace("granular-plastic", &[1.0, 0.5], LoadControl::Stress, &[[0.0, -1.0], [1.0, 0.0]]),
+        response_error(
+            "granular-plastic",
+            &[1.0, 0.5],
+            LoadControl::Stress,
+            &[[0.0, -1.0], [1.0, 0.0]]
+        ),
         "at the time 0.0 s the stress -1.0 Pa is not borne: the stress of this scheme is from -0.5 to 0.0 Pa"
     );
     assert_eq!(
-        trace(
+        response_error(
             "granular-kelvin-voigt",
             &[1.0, 1.0],
             LoadControl::Strain,
@@ -189,7 +194,12 @@ fn steps_without_end_state_are_refused() {
         "at the time 0.0 s the strain -1.0 cannot be reached: in this step the strain is from 0.0 to ∞"
     );
     assert_eq!(
-        trace("granular-elastic", &[1e308], LoadControl::Strain, &[[0.0, -1e3], [1.0, 0.0]]),
+        response_error(
+            "granular-elastic",
+            &[1e308],
+            LoadControl::Strain,
+            &[[0.0, -1e3], [1.0, 0.0]]
+        ),
         "at the time 0.0 s strain, stress or energy is not finite"
     );
 }

@@ -1,7 +1,7 @@
 //! Schemes with dampers: the exact formula of the implicit Euler method at every step, and its convergence with order 1
 //! to the exponentials of the continuous problem.
 
-use super::{assert_near, build, trace};
+use super::{assert_near, build, compute_response};
 use wellposed_models::rheology::load_path::Activity;
 use wellposed_models::rheology::scheme::LoadControl;
 
@@ -24,15 +24,15 @@ fn granular_maxwell_medium_relaxes_in_compression() {
     let mut errors = Vec::new();
     for steps in [100, 200, 400] {
         let points = [[0.0, 0.0], [duration, -rate * duration]];
-        let trace = trace(&scheme, LoadControl::Strain, &points, steps);
+        let response = compute_response(&scheme, LoadControl::Strain, &points, steps);
         let step = duration / steps as f64;
         let factor = 1.0 / (1.0 + modulus * step / viscosity);
-        for (number, point) in trace.iter().enumerate() {
+        for (number, point) in response.iter().enumerate() {
             let expected = -limit * (1.0 - factor.powi(number as i32));
             assert_near(point.state.stress, expected, limit, ROUNDING);
         }
         let exact = -limit * (1.0 - (-modulus * duration / viscosity).exp());
-        errors.push((trace.last().expect("points").state.stress - exact).abs());
+        errors.push((response.last().expect("points").state.stress - exact).abs());
     }
     assert_first_order(&errors);
 }
@@ -47,17 +47,17 @@ fn granular_maxwell_medium_opens_at_the_time_of_the_closed_form() {
     for steps in [1000, 2000, 4000] {
         let turn = -rate * duration;
         let points = [[0.0, 0.0], [duration, turn], [2.0 * duration, 0.0]];
-        let trace = trace(&scheme, LoadControl::Strain, &points, steps);
+        let response = compute_response(&scheme, LoadControl::Strain, &points, steps);
         let step = duration / steps as f64;
-        let turned = trace[steps].state.stress;
+        let turned = response[steps].state.stress;
         // Discrete: σₙ = ηr − (ηr − σ₁)qⁿ reaches 0 in step n with qⁿ = 1/(1 − σ₁/(ηr)).
         let factor = 1.0 / (1.0 + modulus * step / viscosity);
         let number = -(1.0 - turned / limit).ln() / factor.ln();
-        let opened = (1..=steps).find(|own| trace[steps + own].activities[2] == Activity::Open);
+        let opened = (1..=steps).find(|own| response[steps + own].activities[2] == Activity::Open);
         assert_eq!(opened, Some(number.ceil() as usize));
         for own in 1..=steps {
             let expected = (limit - (limit - turned) * factor.powi(own as i32)).min(0.0);
-            assert_near(trace[steps + own].state.stress, expected, limit, ROUNDING);
+            assert_near(response[steps + own].state.stress, expected, limit, ROUNDING);
         }
         let exact_turned = -limit * (1.0 - (-modulus * duration / viscosity).exp());
         let exact = viscosity / modulus * (1.0 - exact_turned / limit).ln();
@@ -82,35 +82,35 @@ fn granular_kelvin_voigt_medium_opens_before_zero_strain_and_creeps_back() {
         let [t3, t4] = [t2 + creep_time, t2 + creep_time + 1e-9];
         let high = -opening + rate * creep_time;
         let points = [[0.0, 0.0], [t1, -turn], [t2, -opening], [t3, high], [t4, -opening]];
-        let trace = trace(&scheme, LoadControl::Strain, &points, steps);
+        let response = compute_response(&scheme, LoadControl::Strain, &points, steps);
         let scale = modulus * turn;
-        for point in &trace[1..=steps] {
+        for point in &response[1..=steps] {
             let expected = modulus * point.state.strain - viscosity * rate;
             assert_near(point.state.stress, expected, scale, ROUNDING);
         }
-        for point in &trace[steps + 1..2 * steps] {
+        for point in &response[steps + 1..2 * steps] {
             let expected = modulus * point.state.strain + viscosity * rate;
             assert_near(point.state.stress, expected, scale, 1e-11);
             assert_eq!(point.activities[2], Activity::Closed);
         }
-        let jump = trace[steps + 1].state.stress - trace[steps].state.stress;
+        let jump = response[steps + 1].state.stress - response[steps].state.stress;
         let step = times[1] / steps as f64;
         assert_near(jump, 2.0 * viscosity * rate + modulus * rate * step, scale, 1e-11);
         // Open from here on: creep without stress.
         let step = creep_time / steps as f64;
         let factor = 1.0 / (1.0 + modulus * step / viscosity);
         for number in 1..=steps {
-            let point = &trace[2 * steps + number];
+            let point = &response[2 * steps + number];
             assert_eq!(point.activities[2], Activity::Open);
             assert_near(point.state.stress, 0.0, scale, ROUNDING);
             let expected = -opening * factor.powi(number as i32);
             assert_near(point.state.elements[0].strain, expected, opening, ROUNDING);
         }
         let exact = -opening * (-modulus * creep_time / viscosity).exp();
-        errors.push((trace[3 * steps].state.elements[0].strain - exact).abs());
+        errors.push((response[3 * steps].state.elements[0].strain - exact).abs());
         // On the fast way back the contact closes where the path meets the element.
-        let crept = trace[3 * steps].state.elements[0].strain;
-        for point in &trace[3 * steps + 1..] {
+        let crept = response[3 * steps].state.elements[0].strain;
+        for point in &response[3 * steps + 1..] {
             let is_closed = point.activities[2] == Activity::Closed;
             assert_eq!(is_closed, point.state.strain < crept, "{} {crept}", point.state.strain);
         }
@@ -136,25 +136,25 @@ fn viscoplastic_overstress_tends_to_viscosity_times_rate() {
                 [first, sign * yielding],
                 [first + duration, sign * (yielding + rate * duration)],
             ];
-            let trace = trace(&scheme, LoadControl::Strain, &points, steps);
+            let response = compute_response(&scheme, LoadControl::Strain, &points, steps);
             let step = duration / steps as f64;
             let factor = 1.0 / (1.0 + a * step / viscosity);
             for number in 0..=steps {
                 let overstress = limit * (1.0 - factor.powi(number as i32));
                 let expected = sign * (strength + overstress);
-                assert_near(trace[steps + number].state.stress, expected, strength, ROUNDING);
+                assert_near(response[steps + number].state.stress, expected, strength, ROUNDING);
             }
             if sign < 0.0 {
                 let exact = strength + limit * (1.0 - (-a * duration / viscosity).exp());
-                errors.push((trace[2 * steps].state.stress + exact).abs());
+                errors.push((response[2 * steps].state.stress + exact).abs());
             }
         }
     }
     assert_first_order(&errors);
     // Much later the overstress is ηr to rounding.
     let points = [[0.0, 0.0], [30.0, -3.0]];
-    let trace = trace(&scheme, LoadControl::Strain, &points, 300);
-    let last = trace.last().expect("points").state.stress;
+    let response = compute_response(&scheme, LoadControl::Strain, &points, 300);
+    let last = response.last().expect("points").state.stress;
     assert_near(last, -(compressive + limit), limit, 1e-10);
 }
 
@@ -166,16 +166,16 @@ fn poynting_thomson_solid_creeps() {
     let mut errors = Vec::new();
     for steps in [100, 200, 400] {
         let points = [[0.0, stress], [duration, stress]];
-        let trace = trace(&scheme, LoadControl::Stress, &points, steps);
+        let response = compute_response(&scheme, LoadControl::Stress, &points, steps);
         let factor = 1.0 / (1.0 + duration / steps as f64 / (viscosity * a1));
         // The first point is the state at rest, the second one the jump.
-        assert_eq!((trace[0].state.strain, trace[1].time), (0.0, 0.0));
+        assert_eq!((response[0].state.strain, response[1].time), (0.0, 0.0));
         for number in 0..=steps {
             let expected = stress * (a0 + a1 * (1.0 - factor.powi(number as i32)));
-            assert_near(trace[1 + number].state.strain, expected, 1.0, ROUNDING);
+            assert_near(response[1 + number].state.strain, expected, 1.0, ROUNDING);
         }
         let exact = stress * (a0 + a1 * (1.0 - (-duration / (viscosity * a1)).exp()));
-        errors.push((trace[1 + steps].state.strain - exact).abs());
+        errors.push((response[1 + steps].state.strain - exact).abs());
     }
     assert_first_order(&errors);
 }
@@ -190,14 +190,14 @@ fn poynting_thomson_solid_relaxes() {
     let mut errors = Vec::new();
     for steps in [100, 200, 400] {
         let points = [[0.0, strain], [duration, strain]];
-        let trace = trace(&scheme, LoadControl::Strain, &points, steps);
+        let response = compute_response(&scheme, LoadControl::Strain, &points, steps);
         let factor = 1.0 / (1.0 + duration / steps as f64 / time);
         for number in 0..=steps {
             let expected = last + (first - last) * factor.powi(number as i32);
-            assert_near(trace[1 + number].state.stress, expected, first, ROUNDING);
+            assert_near(response[1 + number].state.stress, expected, first, ROUNDING);
         }
         let exact = last + (first - last) * (-duration / time).exp();
-        errors.push((trace[1 + steps].state.stress - exact).abs());
+        errors.push((response[1 + steps].state.stress - exact).abs());
     }
     assert_first_order(&errors);
 }
