@@ -84,7 +84,9 @@ fn every_bundled_case_runs() {
             Err(_) if case.plane_wave.is_some() => ("shocks", Vec::new()),
             Err(_) if case.rheology.is_some() => ("diagram", Vec::new()),
             Err(_) if text.contains("[map]") => ("map", Vec::new()),
-            Err(_) if text.contains("[background]") => ("point", Vec::new()),
+            Err(_) if text.contains("[background]") || case.equations.is_some() => {
+                ("point", Vec::new())
+            }
             Err(_) => ("dispersion", Vec::new()),
         };
         let ill_posed = if case.flow_run.is_some() { " --accept-ill-posed" } else { "" };
@@ -124,11 +126,14 @@ fn former_names_print_a_warning() {
 #[test]
 fn new_overwrites_existing_case_only_with_force() {
     let here = create_folder(TEST_FOLDER, "new");
-    for kind in ModelKind::all_kinds().into_iter().chain([ModelKind::Rheology]) {
+    for kind in
+        ModelKind::all_kinds().into_iter().chain([ModelKind::Rheology, ModelKind::Equations])
+    {
         let verbs: &[&str] = match kind {
             ModelKind::Flow(_) => &["point", "map"],
             ModelKind::Solid(_) => &["dispersion"],
             ModelKind::Rheology => &["diagram"],
+            ModelKind::Equations => &["point", "map", "check"],
         };
         let kind = kind.name();
         let (_, stderr) = run_with_exit_code(0, &here, &format!("new {kind}"));
@@ -146,7 +151,7 @@ fn new_overwrites_existing_case_only_with_force() {
     }
     run_with_exit_code(0, &here, "new free-rotating other.toml");
     run_with_exit_code(2, &here, "new free-rotating other.toml/below.toml");
-    assert_eq!(list_entries(&here).len(), 10, "{:?}", list_entries(&here));
+    assert_eq!(list_entries(&here).len(), 11, "{:?}", list_entries(&here));
 }
 
 #[test]

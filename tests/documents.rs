@@ -391,7 +391,7 @@ fn toml_blocks_in_documents_are_valid_cases() {
             }
         }
     }
-    assert_eq!(count, 6);
+    assert_eq!(count, 7);
 }
 
 /// Verifies that the arrays used by Python examples exist in the result files.

@@ -43,12 +43,14 @@
 //! ```
 //!
 //! [`solids`] compares all branches of solids (elastic, loading and unloading), [`blocks`] Bloch waves of blocky media,
-//! [`flows`] waves and perturbations of uniform flows. All use the threads of the current rayon pool; results do not
+//! [`flows`] waves and perturbations of uniform flows, [`equations`] the linearised equations of models given as text with
+//! differences of the equations themselves. All use the threads of the current rayon pool; results do not
 //! depend on their number.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod blocks;
+pub mod equations;
 pub mod fit;
 pub mod flows;
 pub mod scheme;

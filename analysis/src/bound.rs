@@ -50,6 +50,27 @@ pub fn locate_supremum(
     assessment: &Assessment,
     min_wave_number: f64,
 ) -> Option<Supremum> {
+    let directions: Vec<f64> =
+        (0..DIRECTION_COUNT).map(|i| PI * i as f64 / DIRECTION_COUNT as f64).collect();
+    search_supremum(pencil, assessment, min_wave_number, &directions)
+}
+
+/// Locates the supremum of Re ς over all k ≥ `min_wave_number` of waves along x₁; otherwise as [`locate_supremum`].
+pub fn locate_supremum_on_line(
+    pencil: &Pencil,
+    assessment: &Assessment,
+    min_wave_number: f64,
+) -> Option<Supremum> {
+    search_supremum(pencil, assessment, min_wave_number, &[0.0])
+}
+
+/// Locates the supremum, starting from `directions`; from a single one the direction is not varied.
+fn search_supremum(
+    pencil: &Pencil,
+    assessment: &Assessment,
+    min_wave_number: f64,
+    directions: &[f64],
+) -> Option<Supremum> {
     if assessment.verdict != Verdict::WellPosed {
         return None;
     }
@@ -74,6 +95,7 @@ pub fn locate_supremum(
     let mut best: Option<(f64, f64, f64)> = None;
     for centre in centres {
         let angle = |log_k: f64, position: f64| match centre {
+            None if directions.len() == 1 => directions[0],
             None => position,
             Some(angle) => angle + (position.cr_sinh() / log_k.cr_exp()).clamp(-0.5, 0.5),
         };
@@ -82,7 +104,7 @@ pub fn locate_supremum(
             rate(log_k, angle(log_k, x[1]))
         };
         let positions: Vec<f64> = match centre {
-            None => (0..DIRECTION_COUNT).map(|i| PI * i as f64 / DIRECTION_COUNT as f64).collect(),
+            None => directions.to_vec(),
             Some(_) => (-12..=12).map(f64::from).collect(),
         };
         let mut start = (f64::NEG_INFINITY, [low, 0.0]);

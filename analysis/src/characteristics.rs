@@ -58,17 +58,23 @@ pub enum CharacteristicsError {
     /// The numbers of equations and unknowns differ, or all entries of the matrix are structural zeros.
     #[error("the steady equations do not determine their unknowns")]
     Indeterminate,
+    /// The equations have derivatives of second or higher order: write them as first-order equations.
+    #[error("characteristics are those of first-order equations")]
+    HigherOrder,
 }
 
 /// Computes the characteristics of a square system.
 ///
 /// # Errors
-/// The system is not square, or all entries of its steady matrices are structural zeros.
+/// The system is not square, all entries of its steady matrices are structural zeros, or it has terms of higher order.
 pub fn characteristics(
     system: &LinearisedSystem<2>,
 ) -> Result<Characteristics, CharacteristicsError> {
     if system.equations.len() != system.unknowns.len() {
         return Err(CharacteristicsError::Indeterminate);
+    }
+    if !system.higher_terms.is_empty() {
+        return Err(CharacteristicsError::HigherOrder);
     }
     let steady = steady_matrices(system);
     let blocks = irreducible_blocks(&steady).ok_or(CharacteristicsError::Indeterminate)?;

@@ -14,7 +14,7 @@ use models::Rounded;
 use smallvec::smallvec;
 
 /// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty if the pattern has one block
-/// only or no transversal, or if the determinant of a block is not a single term.
+/// only or no transversal, if the determinant of a block is not a single term, or for equations of higher order.
 pub(crate) fn factor_corner_coefficient(
     scaled: &ScaledSystem,
     slope: [i64; 2],
@@ -22,6 +22,9 @@ pub(crate) fn factor_corner_coefficient(
     let system = &scaled.system;
     let n = system.equations.len();
     let [time, space] = slope;
+    if !system.higher_terms.is_empty() {
+        return StackList::new();
+    }
     // Returns the leading term of an entry: its order in k times the denominator of `slope`, and its coefficients of ς,
     // κ₁, κ₂ and 1.
     let leading = |i: usize, j: usize| -> Option<(i64, [Rounded; 4])> {

@@ -6,8 +6,10 @@ use crate::layers::expand_along_direction;
 use crate::list::StackList;
 use crate::polynomial::DispersionTerm;
 use crate::puiseux::{self, Monomial};
-use crate::rounded_complex::RoundedComplex;
+use crate::roots;
+use crate::rounded_complex::{RoundedComplex, imaginary_power};
 use models::Rounded;
+use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Large wave number, in scaled units, at which generic properties are tested.
@@ -108,6 +110,59 @@ fn has_growing_root_at_infinity(
         }
         puiseux::combine_like_terms(&mut terms);
         puiseux::asymptotic_growth(&terms, 1, None).growth.is_some()
+    })
+}
+
+/// Directions, rad, in which [`find_pole`] searches equations of higher order in two dimensions.
+pub(crate) const SAMPLED_DIRECTIONS: [f64; 24] = {
+    let mut directions = [0.0; 24];
+    let mut index = 0;
+    while index < 24 {
+        directions[index] = index as f64 * PI / 24.0;
+        index += 1;
+    }
+    directions
+};
+
+/// Searches `directions` for one in which the coefficient of the highest power of ς has a zero at a finite wave number
+/// k > 0, while the next one does not vanish and the root that passes through infinity grows on one side.
+pub(crate) fn find_pole(certain: &[DispersionTerm], directions: &[f64]) -> Option<f64> {
+    let highest = certain.iter().map(|t| t.time_power).max()?;
+    if highest == 0 || certain.iter().filter(|t| t.time_power == highest).count() < 2 {
+        return None;
+    }
+    directions.iter().copied().find(|&direction| {
+        // Coefficient of ςⁿ at k: Σ F (ik)^j.
+        let coefficient = |power: usize, k: f64| -> Complex64 {
+            let own = certain.iter().filter(|t| t.time_power == power);
+            own.map(|t| {
+                let degree = t.form.degree();
+                let size = t.form.evaluate_at_angle(direction).value * k.powi(degree as i32);
+                imaginary_power(degree as i64) * size
+            })
+            .sum()
+        };
+        let tops = certain.iter().filter(|t| t.time_power == highest);
+        let lowest = tops.clone().map(|t| t.form.degree()).min().unwrap_or(0);
+        // Zeros of one polynomial in k with complex coefficients, divided by its lowest power.
+        let mut polynomial: StackList<Complex64> = StackList::new();
+        for term in tops {
+            let degree = term.form.degree() - lowest;
+            polynomial.resize(polynomial.len().max(degree + 1), Complex64::ZERO);
+            let value = term.form.evaluate_at_angle(direction).value;
+            polynomial[degree] += imaginary_power(term.form.degree() as i64) * value;
+        }
+        while polynomial.last().is_some_and(|c| c.norm() == 0.0) {
+            polynomial.pop();
+        }
+        let is_real = |k: &Complex64| k.re > 0.0 && k.im.abs() <= 1e-9 * k.re;
+        roots::solve(&polynomial).into_iter().filter(is_real).any(|k| {
+            [1e-6, -1e-6].into_iter().any(|offset| {
+                let beside = k.re * (1.0 + offset);
+                let root = -coefficient(highest - 1, beside) / coefficient(highest, beside);
+                root.re > 1e-3 * root.norm() && root.re > 0.0
+            })
+        })
     })
 }
 

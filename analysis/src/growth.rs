@@ -5,13 +5,15 @@
 //! ς ≈ c k^m, where m runs through the slopes of the Newton polygon of the points (i, j) with
 //! F_ij ≠ 0 and c through the roots of the edge polynomials ([`newton_polygon`](crate::newton_polygon)). Signs of
 //! the F_ij at the corners of the polygon change only at their zeros, which are found with error bounds
-//! ([`BinaryForm::zeros`]); between them the worst direction is searched. In a layer around each zero ("degenerate
+//! ([`BinaryForm::zeros`](crate::form::BinaryForm::zeros)); between them the worst direction is searched. In a layer around each zero ("degenerate
 //! direction") other terms dominate (module `layers`).
 
 use crate::corner_factors;
 use crate::face_polynomial::FacePolynomial;
-use crate::finite_wave_number::{angular_distance, find_unbounded_direction};
-use crate::form::{self, BinaryForm, FormZero};
+use crate::finite_wave_number::{
+    SAMPLED_DIRECTIONS, angular_distance, find_pole, find_unbounded_direction,
+};
+use crate::form::{self, FormZero};
 use crate::growth_accumulator::GrowthAccumulator;
 use crate::layers::{search_collision, search_layer};
 use crate::line_search::argmax_unimodal;
@@ -132,19 +134,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
 
     // A form that is zero within rounding but would lie above the polygon makes the verdict marginal.
     if let Some(term) = doubtful.iter().find(|term| is_above_polygon(term, &corners)) {
-        let least_certain = |f: &BinaryForm| {
-            f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound))
-        };
-        let at = least_certain(&term.form).unwrap_or_default();
-        assessment.verdict = Verdict::Marginal {
-            quantity: format!(
-                "coefficient of ς^{} k^{} in the dispersion polynomial",
-                term.time_power,
-                term.form.degree()
-            ),
-            value: at.value,
-            rounding: at.bound,
-        };
+        assessment.verdict = describe_doubtful_term(term);
         return assessment;
     }
 
@@ -154,6 +144,12 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         zeros.iter().map(|z| DegenerateDirection { angle: z.angle, bound: z.bound }).collect();
 
     let mut accumulator = GrowthAccumulator::default();
+    if !pencil.scaled.system.higher_terms.is_empty()
+        && let Some(direction) = find_pole(&certain, &SAMPLED_DIRECTIONS)
+    {
+        assessment.verdict = Verdict::IllPosed { growth: None, direction };
+        return assessment;
+    }
     if let Some((direction, is_certain)) = find_unbounded_direction(&certain, &doubtful) {
         if is_certain {
             assessment.verdict = Verdict::IllPosed { growth: None, direction };
@@ -186,8 +182,21 @@ pub fn assess(pencil: &Pencil) -> Assessment {
     assessment
 }
 
+/// The verdict if the sign of a term decides that is zero within rounding.
+pub(crate) fn describe_doubtful_term(term: &DispersionTerm) -> Verdict {
+    let coefficients = term.form.coefficients.iter().copied();
+    let least_certain = coefficients.max_by(|a, b| a.bound.total_cmp(&b.bound));
+    let at = least_certain.unwrap_or_default();
+    let (time, space) = (term.time_power, term.form.degree());
+    Verdict::Marginal {
+        quantity: format!("coefficient of ς^{time} k^{space} in the dispersion polynomial"),
+        value: at.value,
+        rounding: at.bound,
+    }
+}
+
 /// Power of ς and degree of the form of a term.
-fn exponents(term: &DispersionTerm) -> (i64, i64) {
+pub(crate) fn exponents(term: &DispersionTerm) -> (i64, i64) {
     (term.time_power as i64, term.form.degree() as i64)
 }
 
@@ -250,7 +259,7 @@ fn find_growing_edges<'a>(
 }
 
 /// Whether a term, if nonzero, would lie above the part of the polygon with positive orders.
-fn is_above_polygon(term: &DispersionTerm, corners: &[(i64, i64)]) -> bool {
+pub(crate) fn is_above_polygon(term: &DispersionTerm, corners: &[(i64, i64)]) -> bool {
     let (i, j) = (term.time_power as i64, term.form.degree() as i64);
     let Some(&(first, top)) = corners.first() else { return false };
     if i > first {
@@ -486,7 +495,7 @@ fn search_collisions(
 }
 
 /// Decides the verdict from the largest growth and the undecided quantities of the search.
-fn decide_verdict(mut accumulator: GrowthAccumulator, pencil: &Pencil) -> Verdict {
+pub(crate) fn decide_verdict(mut accumulator: GrowthAccumulator, pencil: &Pencil) -> Verdict {
     if let Some(order) = accumulator.missing_order() {
         accumulator.growth = None;
         accumulator.record_undecided(

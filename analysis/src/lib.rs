@@ -1,6 +1,6 @@
 //! Well-posedness analysis: from a linearised system to its dispersion roots, characteristics, growth and verdict.
 //!
-//! Entry points are [`flows::FlowWorkspace`] and [`solids::SolidAssessor`]; programs call these. All other
+//! Entry points are [`flows::FlowWorkspace`], [`solids::SolidAssessor`] and [`equations::EquationsWorkspace`]; programs call these. All other
 //! modules are their algorithms. The analysis takes a [`models::LinearisedSystem`] as data and is independent of the
 //! model:
 //!
@@ -12,6 +12,7 @@
 //!   polynomials by Aberth's method, double-double arithmetic;
 //! - [`form`], [`newton_polygon`]: zeros of binary forms in the direction, Newton polygons and orders of growth;
 //! - [`growth`]: verdict by the Newton polygon, with Puiseux series in the layers around degenerate directions;
+//! - [`mod@line`], [`space`]: the verdict in one and in three dimensions;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
 //! - [`acoustic_tensor2`], [`acoustic_tensor3`]: acoustic tensor of a yielding solid over all directions in the plane
 //!   and in space: flutter and shear bands;
@@ -21,7 +22,7 @@
 //! - [`bloch`]: Bloch waves of blocky media: dispersion, band gaps, speeds of long waves;
 //! - [`plane_shocks`]: exact plane waves behind a piston, for piecewise-linear diagrams.
 //!
-//! [`flows`] and [`solids`] assess the media of [`models`] with these tools.
+//! [`flows`] and [`solids`] assess the media of [`models`] with these tools, [`equations`] models given as text.
 //!
 //! The crate depends on no time-domain solver, case or file format; crate `agreement` compares solvers with it.
 #![deny(missing_docs)]
@@ -35,6 +36,7 @@ pub mod characteristics;
 mod corner_factors;
 mod dense;
 pub mod energy;
+pub mod equations;
 pub mod extended_precision;
 mod face_polynomial;
 mod finite_wave_number;
@@ -44,6 +46,7 @@ pub mod growth;
 mod growth_accumulator;
 pub mod kelvin;
 mod layers;
+pub mod line;
 mod line_search;
 pub mod list;
 pub mod newton_polygon;
@@ -57,10 +60,12 @@ pub mod roots;
 mod rounded_complex;
 pub mod scaling;
 pub mod solids;
+pub mod space;
 pub mod waves;
 
 use acoustic_tensor3::NormalSearchError;
 use models::InputError;
+use models::equations::EvaluationError;
 use models::yield_set::tangent::NoResponse;
 
 /// A system that cannot be analysed.
@@ -89,6 +94,9 @@ pub enum StateError {
     /// The linearised equations cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// A model given as equations is not defined at the state, or the state does not satisfy the equations.
+    #[error(transparent)]
+    Evaluation(#[from] EvaluationError),
     /// The rate response of a yielding solid is not defined.
     #[error(transparent)]
     NoResponse(#[from] NoResponse),

@@ -1,14 +1,16 @@
-//! The roots ς of det(ςA + ik(cos θ B¹ + sin θ B²) + C) at a given wave vector.
+//! The roots ς of the dispersion relation det L(ς, ik) = 0 at a given wave vector, for first-order equations
+//! det(ςA + ik(cos θ B¹ + sin θ B²) + C) = 0.
 //!
 //! The pencil is equilibrated and its generalised eigenvalues are computed by the QZ algorithm;
 //! the number of finite eigenvalues follows from the degree of the exact polynomial, not from a
 //! threshold on the eigenvalues (a block of index 2 makes infinite eigenvalues appear finite). The
-//! finite eigenvalues are then refined on that polynomial.
+//! finite eigenvalues are then refined on that polynomial. Roots of equations of higher order, which are no pencil, and
+//! of large systems are those of the polynomial from the start.
 
 use crate::AnalysisError;
 use crate::list::StackList;
 use crate::polynomial::DispersionPolynomial;
-use crate::qz::Qz;
+use crate::qz::{self, Qz};
 use crate::scaling::ScaledSystem;
 use models::LinearisedSystem;
 use models::common::elementary::Elementary;
@@ -69,10 +71,16 @@ impl Pencil {
         let (time, first, second) =
             (Complex64::new(0.7, 0.4), Complex64::new(-0.3, 1.1), Complex64::new(0.9, 0.6));
         let entry = |at: (usize, usize)| {
-            time * s.a[at].value
+            let first_order = time * s.a[at].value
                 + first * s.b[0][at].value
                 + second * s.b[1][at].value
-                + s.c[at].value
+                + s.c[at].value;
+            let higher = s.higher_terms.iter().filter(|term| (term.row, term.column) == at);
+            higher.fold(first_order, |sum, term| {
+                let [b, c] = term.space_powers.map(u32::from);
+                let powers = time.powu(term.time_power.into()) * first.powu(b) * second.powu(c);
+                sum + powers * term.coefficient.value
+            })
         };
         let (rows, columns) = (s.equations.len(), s.unknowns.len());
         let mut matrix: StackList<StackList<Complex64>> =
@@ -105,7 +113,12 @@ impl Pencil {
         if self.is_singular {
             return PencilRoots::Singular { rank: self.generic_rank() };
         }
-        let size = self.scaled.system.equations.len();
+        // Number of roots if all equations were differential equations of their order in time.
+        let time_order = |row: usize| {
+            let own = self.scaled.system.higher_terms.iter().filter(|term| term.row == row);
+            own.map(|term| usize::from(term.time_power)).max().unwrap_or(0).max(1)
+        };
+        let size: usize = (0..self.scaled.system.equations.len()).map(time_order).sum();
         let count = self.polynomial.coefficients_at(k, direction).len() - 1;
         let mut guesses = self.generalised_eigenvalues(k, direction);
         // Infinite eigenvalues sort last.
@@ -113,12 +126,16 @@ impl Pencil {
         guesses.truncate(count);
         let mut finite = self.polynomial.roots(k, direction, &guesses);
         finite.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-        PencilRoots::Regular { infinite: size - finite.len(), finite }
+        PencilRoots::Regular { infinite: size.saturating_sub(finite.len()), finite }
     }
 
-    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; empty if an entry is not finite or QZ
-    /// does not converge.
+    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; empty for equations of higher order and
+    /// for more than [`MAX_SIZE`](qz::MAX_SIZE) equations, or if an entry is not finite or QZ does not converge.
     pub fn generalised_eigenvalues(&self, k: f64, direction: f64) -> Vec<Complex64> {
+        let system = &self.scaled.system;
+        if !system.higher_terms.is_empty() || system.equations.len() > qz::MAX_SIZE {
+            return Vec::new();
+        }
         self.compute_generalised_eigenvalues(&mut Qz::default(), k, direction).to_vec()
     }
 

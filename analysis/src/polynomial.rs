@@ -1,4 +1,5 @@
-//! The exact dispersion polynomial P(ς, κ₁, κ₂) = det(ςA + κ₁B¹ + κ₂B² + C), κ = ik.
+//! The exact dispersion polynomial P(ς, κ₁, κ₂) = det L, κ = ik, of the symbol L = ςA + κ₁B¹ + κ₂B² + C plus terms of
+//! higher order in ς and κ.
 //!
 //! Its coefficients are real. The determinant is expanded row by row over subsets of columns (Laplace expansion by
 //! dynamic programming) in double-double arithmetic, with a bound on the effect of the rounding of the entries of
@@ -10,13 +11,19 @@ use crate::list::StackList;
 use crate::scaling::ScaledSystem;
 use crate::{AnalysisError, roots};
 use models::common::elementary::Elementary;
-use models::common::system::Unknown;
+use models::common::system::{HigherTerm, Unknown};
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
+use smallvec::smallvec;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
-/// Maximum number n of equations: the expansion takes 2ⁿ partial determinants.
-pub const MAX_EQUATIONS: usize = 10;
+/// Maximum number n of equations: the expansion takes up to 2ⁿ partial determinants.
+pub const MAX_EQUATIONS: usize = 16;
+
+/// Maximum number of coefficients of all partial determinants together (64 MiB); larger systems keep those of two levels
+/// at a time.
+const MAX_STORED_COEFFICIENTS: usize = 1 << 21;
 
 /// A coefficient of the polynomial with bounds on its error.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,6 +40,12 @@ struct BoundedCoefficient {
 const EXTENDED_ROUNDOFF: f64 = 1e-30;
 
 impl BoundedCoefficient {
+    const ONE: Self = Self {
+        value: ExtendedReal { high: 1.0, low: 0.0 },
+        entry_error_bound: 0.0,
+        expansion_error_bound: 0.0,
+    };
+
     /// Error bound from the entries and from the expansion.
     fn total_error_bound(&self) -> f64 {
         self.entry_error_bound * 1.000_001 + self.expansion_error_bound
@@ -77,8 +90,8 @@ impl Monomials {
             monomials.count_up_to_degree.push(monomials.exponents.len());
         }
         let find = |wanted: [u8; 3]| {
-            let index = monomials.exponents.iter().position(|&e| e == wanted);
-            index.map_or(u16::MAX, |i| i as u16)
+            let total: u8 = wanted.iter().sum();
+            if usize::from(total) > degree { u16::MAX } else { Self::index(wanted) as u16 }
         };
         monomials.product_indices = monomials
             .exponents
@@ -87,12 +100,108 @@ impl Monomials {
             .collect();
         monomials
     }
+
+    /// Index of a monomial: after those of lower total degree t, by ascending exponent of ς, then of κ₁.
+    fn index([a, b, c]: [u8; 3]) -> usize {
+        let [a, b, c] = [a, b, c].map(usize::from);
+        let total = a + b + c;
+        let lower = total * (total + 1) * (total + 2) / 6;
+        // Σ (t − a′ + 1) over the exponents a′ < a of ς.
+        lower + a * (total + 1) - a * a.saturating_sub(1) / 2 + b
+    }
+
+    /// Index of the product of the monomial `index` with another one.
+    fn multiply(&self, index: usize, other: [u8; 3]) -> usize {
+        let own = self.exponents[index];
+        Self::index(std::array::from_fn(|i| own[i] + other[i]))
+    }
+}
+
+/// Entry of the symbol in one row and column: coefficients of ς, κ₁, κ₂ and 1, and the terms of higher order in
+/// [`LinearisedSystem::higher_terms`], which are sorted by row and column.
+struct SymbolEntry<'a> {
+    linear_form: [Rounded; 4],
+    higher_terms: &'a [HigherTerm<2>],
+}
+
+impl SymbolEntry<'_> {
+    fn is_zero(&self) -> bool {
+        self.higher_terms.is_empty() && self.linear_form.iter().all(|x| x.is_structural_zero())
+    }
+
+    /// Adds ± `source` × this entry to `target`.
+    fn add_product(
+        &self,
+        monomials: &Monomials,
+        source: &[BoundedCoefficient],
+        target: &mut [BoundedCoefficient],
+        negative: bool,
+    ) {
+        for (index, coefficient) in source.iter().enumerate() {
+            if coefficient.is_structural_zero() {
+                continue;
+            }
+            for (variable, &entry) in self.linear_form.iter().enumerate() {
+                if !entry.is_structural_zero() {
+                    let to = if variable == 3 {
+                        index
+                    } else {
+                        usize::from(monomials.product_indices[index][variable])
+                    };
+                    target[to].add_product(coefficient, entry, negative);
+                }
+            }
+            for term in self.higher_terms {
+                let [first, second] = term.space_powers;
+                let to = monomials.multiply(index, [term.time_power, first, second]);
+                target[to].add_product(coefficient, term.coefficient, negative);
+            }
+        }
+    }
+}
+
+/// The symbol, read entry by entry.
+struct Symbol<'a> {
+    system: &'a LinearisedSystem<2>,
+    /// Terms of higher order, sorted by row and column.
+    higher_terms: StackList<HigherTerm<2>, 16>,
+}
+
+impl<'a> Symbol<'a> {
+    fn new(system: &'a LinearisedSystem<2>) -> Self {
+        let mut higher_terms: StackList<HigherTerm<2>, 16> = StackList::new();
+        let is_present = |term: &&HigherTerm<2>| !term.coefficient.is_structural_zero();
+        higher_terms.extend(system.higher_terms.iter().filter(is_present).copied());
+        higher_terms.sort_by_key(|term| (term.row, term.column));
+        Self { system, higher_terms }
+    }
+
+    fn entry(&self, row: usize, column: usize) -> SymbolEntry<'_> {
+        let (system, at) = (self.system, (row, column));
+        let linear_form = [system.a[at], system.b[0][at], system.b[1][at], system.c[at]];
+        if self.higher_terms.is_empty() {
+            return SymbolEntry { linear_form, higher_terms: &[] };
+        }
+        let start = self.higher_terms.partition_point(|term| (term.row, term.column) < at);
+        let count =
+            self.higher_terms[start..].partition_point(|term| (term.row, term.column) == at);
+        SymbolEntry { linear_form, higher_terms: &self.higher_terms[start..start + count] }
+    }
+
+    /// Largest total degree of the entries in `row`, at least 1.
+    fn degree(&self, row: usize) -> usize {
+        let own = self.higher_terms.iter().filter(|term| term.row == row);
+        own.map(|term| usize::from(term.time_power + term.wave_number_power())).max().unwrap_or(1)
+    }
 }
 
 /// The exact dispersion polynomial of a square system, in the units of its [`ScaledSystem`].
 #[derive(Clone, Debug, Default)]
 pub struct DispersionPolynomial {
+    /// Number of equations.
     size: usize,
+    /// Bound on the total degree in ς and κ.
+    degree: usize,
     monomials: Monomials,
     /// Partial determinants, one block of coefficients per set of columns; the last block is the full determinant.
     partial_determinants: Vec<BoundedCoefficient>,
@@ -120,33 +229,40 @@ impl DispersionPolynomial {
         }
         (self.rate_unit, self.wave_number_unit, self.velocity) =
             (scaled.rate_unit, scaled.wave_number_unit, system.velocity);
-        if self.size != n || self.monomials.exponents.is_empty() {
-            self.size = n;
-            self.monomials = Monomials::new(n);
-        }
-        let block = self.monomials.exponents.len();
-        self.partial_determinants.resize(block << n, BoundedCoefficient::default());
-        self.is_subset_reached.clear();
-        self.is_subset_reached.resize(1 << n, false);
+        let symbol = Symbol::new(system);
 
         // Rows with the fewest entries first keep the partial determinants sparse.
-        let linear_form = |row: usize, column: usize| {
-            let at = (row, column);
-            [system.a[at], system.b[0][at], system.b[1][at], system.c[at]]
-        };
-        let entries = |row: usize| {
-            (0..n).filter(|&c| linear_form(row, c).iter().any(|x| !x.is_structural_zero())).count()
-        };
+        let entries = |row: usize| (0..n).filter(|&c| !symbol.entry(row, c).is_zero()).count();
         self.row_order.clear();
         self.row_order.extend(0..n);
         self.row_order.sort_by_key(|&row| entries(row));
 
+        let degree = (0..n).map(|row| symbol.degree(row)).sum();
+        if self.degree != degree || self.monomials.exponents.is_empty() {
+            self.monomials = Monomials::new(degree);
+        }
+        (self.size, self.degree) = (n, degree);
+        if self.monomials.exponents.len() << n > MAX_STORED_COEFFICIENTS {
+            self.expand_by_levels(&symbol);
+        } else {
+            self.expand(&symbol);
+        }
+        Ok(())
+    }
+
+    /// Expands the determinant with the partial determinants of all sets of columns in memory.
+    fn expand(&mut self, symbol: &Symbol) {
+        let n = self.size;
+        let block = self.monomials.exponents.len();
+        self.partial_determinants.resize(block << n, BoundedCoefficient::default());
+        self.is_subset_reached.clear();
+        self.is_subset_reached.resize(1 << n, false);
         self.partial_determinants[..block].fill(BoundedCoefficient::default());
         self.is_subset_reached[0] = true;
         // Clear the block of the full determinant here, since the expansion may not reach it.
         self.partial_determinants[((1 << n) - 1) * block..].fill(BoundedCoefficient::default());
-        self.partial_determinants[0] =
-            BoundedCoefficient { value: ExtendedReal::from(1.0), ..BoundedCoefficient::default() };
+        self.partial_determinants[0] = BoundedCoefficient::ONE;
+        let degrees = self.partial_degrees(symbol);
         for set in 0usize..(1 << n) - 1 {
             if !self.is_subset_reached[set] {
                 continue;
@@ -154,42 +270,65 @@ impl DispersionPolynomial {
             let used = set.count_ones() as usize;
             let row = self.row_order[used];
             let (before, after) = self.partial_determinants.split_at_mut((set + 1) * block);
-            let source = &before[set * block..][..self.monomials.count_up_to_degree[used]];
+            let source = &before[set * block..][..self.monomials.count_up_to_degree[degrees[used]]];
             if source.iter().all(BoundedCoefficient::is_structural_zero) {
                 continue;
             }
             for column in (0..n).filter(|c| set >> c & 1 == 0) {
-                let form = linear_form(row, column);
-                if form.iter().all(|x| x.is_structural_zero()) {
+                let entry = symbol.entry(row, column);
+                if entry.is_zero() {
                     continue;
                 }
-                // Laplace sign: parity of the number of columns of the set to the right of `column`.
-                let negative = (set >> column).count_ones() % 2 == 1;
                 let with = set | 1 << column;
                 let target = &mut after[(with - set - 1) * block..][..block];
                 if !self.is_subset_reached[with] {
                     self.is_subset_reached[with] = true;
-                    target[..self.monomials.count_up_to_degree[used + 1]]
+                    target[..self.monomials.count_up_to_degree[degrees[used + 1]]]
                         .fill(BoundedCoefficient::default());
                 }
-                for (index, coefficient) in source.iter().enumerate() {
-                    if coefficient.is_structural_zero() {
-                        continue;
-                    }
-                    for (variable, &entry) in form.iter().enumerate() {
-                        if !entry.is_structural_zero() {
-                            let to = if variable == 3 {
-                                index
-                            } else {
-                                usize::from(self.monomials.product_indices[index][variable])
-                            };
-                            target[to].add_product(coefficient, entry, negative);
-                        }
-                    }
-                }
+                entry.add_product(&self.monomials, source, target, has_odd_parity(set, column));
             }
         }
-        Ok(())
+    }
+
+    /// Expands the determinant with the partial determinants of the sets of columns of one size in memory at a time,
+    /// those of the next size being computed; only sets with a transversal are stored.
+    fn expand_by_levels(&mut self, symbol: &Symbol) {
+        let n = self.size;
+        let degrees = self.partial_degrees(symbol);
+        let mut level = BTreeMap::from([(0usize, vec![BoundedCoefficient::ONE])]);
+        for used in 0..n {
+            let row = self.row_order[used];
+            let count = self.monomials.count_up_to_degree[degrees[used + 1]];
+            let mut next: BTreeMap<usize, Vec<BoundedCoefficient>> = BTreeMap::new();
+            for (set, source) in level {
+                for column in (0..n).filter(|c| set >> c & 1 == 0) {
+                    let entry = symbol.entry(row, column);
+                    if entry.is_zero() {
+                        continue;
+                    }
+                    let target = next
+                        .entry(set | 1 << column)
+                        .or_insert_with(|| vec![BoundedCoefficient::default(); count]);
+                    let negative = has_odd_parity(set, column);
+                    entry.add_product(&self.monomials, &source, target, negative);
+                }
+            }
+            level = next;
+        }
+        let whole = level.into_values().next();
+        let count = self.monomials.exponents.len();
+        self.partial_determinants =
+            whole.unwrap_or_else(|| vec![BoundedCoefficient::default(); count]);
+    }
+
+    /// Bounds on the total degrees of the partial determinants of the first 0, 1, … rows in the order of expansion.
+    fn partial_degrees(&self, symbol: &Symbol) -> StackList<usize, 17> {
+        let mut degrees: StackList<usize, 17> = smallvec![0];
+        for &row in &self.row_order {
+            degrees.push(degrees[degrees.len() - 1] + symbol.degree(row));
+        }
+        degrees
     }
 
     /// Monomials and coefficients of the full determinant.
@@ -235,15 +374,15 @@ impl DispersionPolynomial {
         let k_scaled = k / self.wave_number_unit;
         let powers = |x: f64| {
             let mut list = vec![ExtendedReal::from(1.0)];
-            for i in 0..self.size {
+            for i in 0..self.degree {
                 list.push(list[i] * ExtendedReal::from(x));
             }
             list
         };
         // Powers of the doubles k̂ cos θ, k̂ sin θ in twice the working precision.
         let (first, second) = (powers(k_scaled * cos), powers(k_scaled * sin));
-        let mut result = vec![ExtendedComplex::default(); self.size + 1];
-        let mut bounds = vec![0.0f64; self.size + 1];
+        let mut result = vec![ExtendedComplex::default(); self.degree + 1];
+        let mut bounds = vec![0.0f64; self.degree + 1];
         for ([a, b, c], coefficient) in self.coefficients() {
             if coefficient.is_structural_zero() {
                 continue;
@@ -284,6 +423,11 @@ impl DispersionPolynomial {
             .map(|root| root * self.rate_unit + convection)
             .collect()
     }
+}
+
+/// Laplace sign of adding `column` to the columns of `set`: whether the number of those to its right is odd.
+fn has_odd_parity(set: usize, column: usize) -> bool {
+    (set >> column).count_ones() % 2 == 1
 }
 
 /// Reusable memory of [`block_determinant`] for blocks of one size.
@@ -329,4 +473,66 @@ pub struct DispersionTerm {
     pub time_power: usize,
     /// Binary form F of degree j.
     pub form: BinaryForm,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The expansion that keeps two levels of partial determinants equals that which keeps all, for a full system with
+    /// terms of higher order.
+    #[test]
+    fn expansion_by_levels_equals_the_full_expansion() {
+        const SIZE: usize = 5;
+        const UNKNOWNS: [Unknown; SIZE] = [Unknown { name: "", family: "" }; SIZE];
+        let mut scaled = ScaledSystem::default();
+        (scaled.rate_unit, scaled.wave_number_unit) = (1.0, 1.0);
+        scaled.system.reset(&UNKNOWNS, &[""; SIZE], [0.0; 2]);
+        let mut state = 1u32;
+        let mut draw = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            Rounded::from_rounded(f64::from(state >> 8) / f64::from(1 << 23) - 1.0)
+        };
+        for row in 0..SIZE {
+            for column in 0..SIZE {
+                let at = (row, column);
+                let [first, second] = &mut scaled.system.b;
+                for own in [&mut scaled.system.a, first, second, &mut scaled.system.c] {
+                    own[at] = draw();
+                }
+                if (row + column) % 3 == 0 {
+                    let powers = [[2, 0, 0], [0, 1, 1], [1, 0, 3]];
+                    for [time_power, first, second] in powers {
+                        let (space_powers, coefficient) = ([first, second], draw());
+                        scaled.system.higher_terms.push(HigherTerm {
+                            row,
+                            column,
+                            time_power,
+                            space_powers,
+                            coefficient,
+                        });
+                    }
+                }
+            }
+        }
+        let mut full = DispersionPolynomial::default();
+        full.update(&scaled).expect("small");
+        let mut levels = full.clone();
+        levels.expand_by_levels(&Symbol::new(&scaled.system));
+        let mut count = 0;
+        for ((own, a), (other, b)) in full.coefficients().zip(levels.coefficients()) {
+            assert_eq!(own, other);
+            assert_eq!((a.value, a.entry_error_bound), (b.value, b.entry_error_bound), "{own:?}");
+            count += usize::from(a.value.high != 0.0);
+        }
+        assert!(count > 200, "{count} coefficients");
+    }
+
+    #[test]
+    fn indices_of_monomials_are_their_places() {
+        let monomials = Monomials::new(7);
+        for (index, &exponents) in monomials.exponents.iter().enumerate() {
+            assert_eq!(Monomials::index(exponents), index, "{exponents:?}");
+        }
+    }
 }

@@ -10,11 +10,13 @@
 //! 3. the single-shift QZ iteration triangularises it (C. B. Moler & G. W. Stewart, SIAM Journal on Numerical Analysis
 //!    10, 1973, 241–256; G. H. Golub & C. F. Van Loan, Matrix Computations, section 7.7).
 
-use crate::polynomial::MAX_EQUATIONS;
 use num_complex::Complex64;
 use std::ops::Range;
 
-type PencilMatrix = [[Complex64; MAX_EQUATIONS]; MAX_EQUATIONS];
+/// Maximum number of rows of a pencil.
+pub const MAX_SIZE: usize = 10;
+
+type PencilMatrix = [[Complex64; MAX_SIZE]; MAX_SIZE];
 
 const EPSILON: f64 = f64::EPSILON;
 /// Magnitude below which an entry counts as zero: the largest entry is near one. The fourth power of the threshold does
@@ -36,18 +38,18 @@ pub struct Qz {
     /// R, overwritten by its triangular form.
     right: PencilMatrix,
     rate_exponent: i32,
-    eigenvalues: [Complex64; MAX_EQUATIONS],
+    eigenvalues: [Complex64; MAX_SIZE],
 }
 
 impl Default for Qz {
     fn default() -> Self {
-        let zero = [[Complex64::ZERO; MAX_EQUATIONS]; MAX_EQUATIONS];
+        let zero = [[Complex64::ZERO; MAX_SIZE]; MAX_SIZE];
         Self {
             size: 0,
             left: zero,
             right: zero,
             rate_exponent: 0,
-            eigenvalues: [Complex64::ZERO; MAX_EQUATIONS],
+            eigenvalues: [Complex64::ZERO; MAX_SIZE],
         }
     }
 }
@@ -115,7 +117,7 @@ impl GivensRotation {
 }
 
 impl Qz {
-    /// Loads the pencil L − λR of `size` ≤ [`MAX_EQUATIONS`] rows (the leading block of a larger one) and equilibrates
+    /// Loads the pencil L − λR of `size` ≤ [`MAX_SIZE`] rows (the leading block of a larger one) and equilibrates
     /// it.
     #[inline]
     pub fn equilibrate(
@@ -124,7 +126,7 @@ impl Qz {
         left: impl Fn(usize, usize) -> Complex64,
         right: impl Fn(usize, usize) -> Complex64,
     ) {
-        self.size = size.min(MAX_EQUATIONS);
+        self.size = size.min(MAX_SIZE);
         for i in 0..self.size {
             for j in 0..self.size {
                 (self.left[i][j], self.right[i][j]) = (left(i, j), right(i, j));
@@ -135,14 +137,14 @@ impl Qz {
             4 => self.scale_by_powers_of_two::<4>(),
             5 => self.scale_by_powers_of_two::<5>(),
             6 => self.scale_by_powers_of_two::<6>(),
-            _ => self.scale_by_powers_of_two::<MAX_EQUATIONS>(),
+            _ => self.scale_by_powers_of_two::<MAX_SIZE>(),
         }
     }
 
     /// Minimises Σ (log |Lᵢⱼ| + rᵢ + cⱼ)² + Σ (log |Rᵢⱼ| + rᵢ + cⱼ + g)² over the non-zero entries by sweeps through
     /// rᵢ, cⱼ and g (all in binary logarithms), then scales L and R to largest entries near one.
     fn scale_by_powers_of_two<const N: usize>(&mut self) {
-        let n = if N < MAX_EQUATIONS { N } else { self.size };
+        let n = if N < MAX_SIZE { N } else { self.size };
         let mut logs = [[[f64::NEG_INFINITY; N]; N]; 2];
         // Numbers of entries and sums of logarithms, by row, by column, and of R as a whole.
         let mut count = [[0.0; N]; N];

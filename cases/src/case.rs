@@ -3,14 +3,15 @@
 use super::check::{self, CheckOptions};
 use super::dynamics::{PlottedQuantity, SolidGrid, SolidRun, TimeFunction};
 use super::entries::{CaseEntries, find_model_kind};
+use super::equations::EquationsCase;
 use super::error::{CaseError, SourcePosition};
 use super::flow::{FlowPerturbation, FlowRun};
 use super::former_names::CaseHint;
-use super::key_positions::KeyPositions;
 use super::keys::SweepParameter;
 use super::kind::{MediumKind, ModelKind};
 use super::map::{MapAxes, ParameterSweep};
 use super::material::{Material, check_dimensions, set_default_dimensions};
+use super::missing_grid::missing_grid_error;
 use super::numbers::CaseNumbers;
 use super::plane_wave::{self, PlaneWaveOptions};
 use super::rheology::RheologyCase;
@@ -20,7 +21,6 @@ use super::section::SectionReader;
 use super::section_schemas::{CASE_SCHEMAS, has_simulation};
 use super::value::CaseValue;
 use models::InputError;
-use models::flow::RotationKind;
 use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -60,6 +60,8 @@ pub struct Case {
     /// Sections of a rheological scheme; the case then has no `[model]`, and the kind of its material is
     /// [`ModelKind::Rheology`].
     pub rheology: Option<RheologyCase>,
+    /// Model given as equations; the kind of the material is then [`ModelKind::Equations`].
+    pub equations: Option<EquationsCase>,
     hints: Vec<CaseHint>,
     source_path: Option<PathBuf>,
 }
@@ -77,6 +79,7 @@ impl PartialEq for Case {
             && self.check_options == other.check_options
             && self.plane_wave == other.plane_wave
             && self.rheology == other.rheology
+            && self.equations == other.equations
     }
 }
 
@@ -148,6 +151,9 @@ impl Case {
         purpose: Purpose,
     ) -> Result<Self, CaseError> {
         let mut entries = CaseEntries::parse(text, file, sets, &CASE_SCHEMAS)?;
+        if !entries.schemas.equations.is_empty() {
+            return Self::parse_equations(&entries, file, purpose);
+        }
         if RheologyCase::is_present(&entries.structured_reader(SchemaScope::default())) {
             return Self::parse_rheology(&entries, file, purpose);
         }
@@ -215,6 +221,7 @@ impl Case {
             check_options: check,
             plane_wave,
             rheology: None,
+            equations: None,
             hints: entries.hints.0.clone(),
             source_path: None,
         })
@@ -262,8 +269,66 @@ impl Case {
             check_options: None,
             plane_wave: None,
             rheology: Some(rheology),
+            equations: None,
             hints: entries.hints.0.clone(),
             source_path: None,
+        })
+    }
+
+    /// Reads a case whose model is given as equations.
+    fn parse_equations(
+        entries: &CaseEntries,
+        file: &str,
+        purpose: Purpose,
+    ) -> Result<Self, CaseError> {
+        let root = entries.structured_reader(SchemaScope::default());
+        const FOREIGN_SECTIONS: [&str; 3] = ["yield", "stress", "compare"];
+        if let Some(section) = FOREIGN_SECTIONS.into_iter().find(|own| entries.has_section(own)) {
+            let allowed = "leave it out: a model given as equations has [model], [background], [wave], [map] and \
+                           [check]";
+            let found = "found for a model given as equations";
+            return Err(entries.positions.key_error(section, found, allowed));
+        }
+        let (equations, numbers) = EquationsCase::read(&root)?;
+        let map = equations.read_map(&root)?;
+        let material = Material {
+            kind: ModelKind::Equations,
+            yield_set: None,
+            active_conditions: None,
+            numbers,
+            positions: entries.positions.clone(),
+        };
+        if purpose == Purpose::Simulation {
+            return Err(missing_grid_error(&material.positions, material.kind));
+        }
+        let title = read_title(entries);
+        Ok(Self {
+            name: scalar_keys::read_name(entries, file)?,
+            title: if title.is_empty() { equations.title.clone() } else { title },
+            material,
+            map,
+            compared_kinds: None,
+            solid_run: None,
+            flow_run: None,
+            check_options: check::read_check(&root)?,
+            plane_wave: None,
+            rheology: None,
+            equations: Some(equations),
+            hints: entries.hints.0.clone(),
+            source_path: None,
+        })
+    }
+
+    /// Returns the model given as equations.
+    ///
+    /// # Errors
+    /// The case has a model of another kind.
+    pub fn require_equations(&self) -> Result<&EquationsCase, CaseError> {
+        self.equations.as_ref().ok_or_else(|| {
+            let found = format!("found {}", self.material.kind.name());
+            let allowed =
+                "this needs a model given as equations: wellposed new equations writes one";
+            self.material.positions.key_error("model.kind", found, allowed)
         })
     }
 
@@ -293,7 +358,7 @@ impl Case {
 
     /// Returns the error of a rheological scheme where a flow or a solid is needed.
     pub(super) fn rheology_error(&self) -> InputError {
-        self.material.rheology_error()
+        self.material.unsuitable_kind_error()
     }
 
     /// Returns the path of the file from which the case was loaded.
@@ -330,6 +395,9 @@ impl Case {
 
     /// Returns the value of the number `name`; `None` if the case has no number of this name.
     pub fn number(&self, name: &str) -> Option<f64> {
+        if let Some(index) = self.equations.as_ref().and_then(|own| own.find_number(name)) {
+            return self.material.numbers.equation_numbers.get(index).copied();
+        }
         self.material.number(name)
     }
 
@@ -452,6 +520,16 @@ impl Case {
         if let Some(rheology) = &self.rheology {
             return text + &rheology.to_toml();
         }
+        if let Some(equations) = &self.equations {
+            text.push_str(&equations.to_toml(&self.material.numbers));
+            if let Some(map) = &self.map {
+                let _ = write!(text, "\n[map]\nx = {}\ny = {}\n", map.x, map.y);
+            }
+            if let Some(check) = &self.check_options {
+                text.push_str(&check.to_toml());
+            }
+            return text;
+        }
         let mut section = "";
         let compared = self.compared_kinds.as_deref().unwrap_or_default();
         for (key, value) in self.material.key_values(compared) {
@@ -488,31 +566,4 @@ impl Case {
 fn read_title(entries: &CaseEntries) -> String {
     let title = entries.value("title").and_then(CaseValue::as_text);
     title.unwrap_or_default().to_owned()
-}
-
-/// Returns the error of a case without simulation: a missing section `[grid]`, or a kind of flow that cannot be
-/// simulated.
-fn missing_grid_error(positions: &KeyPositions, kind: ModelKind) -> CaseError {
-    match kind {
-        ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
-            let found = format!("found {}", kind.name());
-            let allowed = "use another model: this one does not determine the spin, so that it \
-                           cannot be simulated";
-            positions.key_error("model.kind", found, allowed)
-        }
-        ModelKind::Flow(_) => {
-            let allowed = "add a section [grid] with cells = [64, 64] and length = 0.1, [time] with \
-                           duration, and [[initial]]";
-            positions.key_error("grid", "missing", allowed)
-        }
-        ModelKind::Solid(_) => {
-            let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
-                           with duration";
-            positions.key_error("grid", "missing", allowed)
-        }
-        ModelKind::Rheology => {
-            let allowed = "compute its response with wellposed diagram: schemes have no grid";
-            positions.key_error("rheology", "found a rheological scheme", allowed)
-        }
-    }
 }

@@ -131,7 +131,7 @@ impl Case {
                     .model_constants
                     .collect_si_values(solid.parameters, &mut constants);
             }
-            ModelKind::Rheology => {}
+            ModelKind::Rheology | ModelKind::Equations => {}
         }
         constants
     }
@@ -147,7 +147,9 @@ impl Case {
                     join_names(&ModelKind::flow_kinds())
                 ),
             }),
-            ModelKind::Rheology => Err(self.rheology_error()),
+            ModelKind::Rheology | ModelKind::Equations => {
+                Err(self.material.unsuitable_kind_error())
+            }
         }
     }
     /// Returns the kind of material rotation of a time-domain flow; it determines the equation of the stress angle.

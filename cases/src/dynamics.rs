@@ -154,7 +154,7 @@ impl SolidRun {
     ) -> Result<Self, CaseError> {
         let theory = match material.kind {
             ModelKind::Solid(solid) => solid.theory,
-            ModelKind::Flow(_) | ModelKind::Rheology => Theory::Classical, // unreachable: this function reads solids only
+            ModelKind::Flow(_) | ModelKind::Rheology | ModelKind::Equations => Theory::Classical, // unreachable: this function reads solids only
         };
         let components = StateComponent::all_components(theory, grid.dimensions());
         let reader =

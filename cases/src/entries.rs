@@ -1,5 +1,6 @@
 //! Parsing of TOML text and `--set` options to values by key with positions.
 
+use super::equations::is_equations_kind;
 use super::error::{CaseError, SourcePosition, escape};
 use super::former_names::HintList;
 use super::key_positions::{KeyPositions, is_inside};
@@ -8,6 +9,7 @@ use super::kind::{MediumKind, ModelKind};
 use super::node::{Node, NodeTable, OptionError, format_segment};
 use super::schema::{CaseSchemas, SchemaScope};
 use super::section::SectionReader;
+use super::section_schemas::EQUATION_CASE_SCHEMAS;
 use super::value::{CaseValue, describe_value, find_similar_name, format_suggestion};
 use models::registry;
 use std::collections::BTreeMap;
@@ -48,6 +50,9 @@ impl<'a> CaseEntries<'a> {
             }
         })?;
 
+        let kind = document.get_ref().get("model").and_then(|own| own.get_ref().as_table());
+        let kind = kind.and_then(|own| own.get("kind")).and_then(|own| own.get_ref().as_str());
+        let schemas = if is_equations_kind(kind) { &EQUATION_CASE_SCHEMAS } else { schemas };
         let mut found = Vec::new();
         collect_entries("", document.get_ref(), &mut found);
         found.sort_by_key(|entry| entry.offset);
@@ -77,9 +82,11 @@ impl<'a> CaseEntries<'a> {
         entries.rename_former_keys()?;
         let mut unknown = None;
         for DocumentEntry { name, value, .. } in &found {
+            if schemas.has_section(root_section(name)) {
+                continue;
+            }
             match Key::find_by_name(name) {
                 Some(key) => entries.insert(key, value)?,
-                None if schemas.has_section(name) => {}
                 None if !is_section(name) => {
                     unknown.get_or_insert_with(|| (name.clone(), entries.positions.locate(name)));
                 }
@@ -96,7 +103,13 @@ impl<'a> CaseEntries<'a> {
         }
         // An unknown key is reported after all other errors, since the allowed keys depend on the kind of model.
         match unknown {
-            Some((name, position)) => Err(entries.unknown_key_error(&name, &name, position)),
+            Some((name, position)) => {
+                // A misspelt kind of model explains keys of another kind.
+                if let Some(CaseValue::Text(kind)) = entries.value("model.kind") {
+                    find_model_kind(kind, "model.kind", &entries.positions)?;
+                }
+                Err(entries.unknown_key_error(&name, &name, position))
+            }
             None => Ok(entries),
         }
     }
@@ -127,10 +140,10 @@ impl<'a> CaseEntries<'a> {
             return refused(set, "no key before '='", "write --set section.key=value".into());
         }
         let name = &*self.hints.resolve_option_key(name, self.schemas, set);
+        if self.schemas.has_section(root_section(name)) {
+            return self.apply_structured_option(set, name, text).map(|()| None);
+        }
         let Some(key) = Key::find_by_name(name) else {
-            if self.schemas.has_section(name.split(['.', '[']).next().unwrap_or_default()) {
-                return self.apply_structured_option(set, name, text).map(|()| None);
-            }
             if is_section(name) {
                 let inside = list_section_keys(name, |_| true).join(", ");
                 return refused(name, "a section", format!("name a key inside it: {inside}"));
@@ -162,6 +175,12 @@ impl<'a> CaseEntries<'a> {
         let value = value.unwrap_or_else(|_| DeValue::String(text.into()));
         // Errors in any part of the value are reported at the option.
         let node = Node::from_toml(&value, name, &mut |_, _| {});
+        // A number for a parameter or an unknown that is a table with a value replaces the value alone.
+        let inner = format!("{name}.value");
+        let is_value = !self.schemas.equations.is_empty()
+            && matches!(node, Node::Value(_))
+            && self.structured_sections.has_table_with_value(name);
+        let name = if is_value { &inner } else { name };
         let key = self.structured_sections.insert_at_key(name, node).map_err(
             |OptionError { key, found, allowed }| {
                 let (position, key) = (SourcePosition::Option(set.to_owned()), escape(&key));
@@ -412,6 +431,11 @@ fn rename_former_sections(
     Ok(hints)
 }
 
+/// Returns the first segment of a dotted key.
+fn root_section(name: &str) -> &str {
+    name.split(['.', '[']).next().unwrap_or_default()
+}
+
 fn is_section(name: &str) -> bool {
     keys().iter().any(|key| is_inside(key.name, name))
 }
@@ -446,7 +470,8 @@ pub(super) fn find_model_kind(
     positions: &KeyPositions,
 ) -> Result<ModelKind, CaseError> {
     ModelKind::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = ModelKind::all_kinds().into_iter().map(ModelKind::name).collect();
+        let kinds = ModelKind::all_kinds().into_iter().chain([ModelKind::Equations]);
+        let names: Vec<&str> = kinds.map(ModelKind::name).collect();
         let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
         let found = format!("found '{}'", escape(name));
         positions.key_error(key, found, format!("{meant}allowed: {}", names.join(", ")))

@@ -4,10 +4,12 @@
 //! sweep. It rejects wrong types, numbers out of range and unknown names as well as missing and unknown keys, for each
 //! kind of model. Relations between numbers are checked by the program only.
 
+mod equations;
 mod plane_waves;
 mod value_types;
 
 use crate::dynamics::stress;
+use crate::equations::EQUATIONS_KIND;
 use crate::keys::{Key, Presence, keys};
 use crate::kind::{MediumKind, ModelKind, NO_YIELD_NAME};
 use crate::schema::{
@@ -15,6 +17,7 @@ use crate::schema::{
 };
 use crate::section_schemas::{CASE_SCHEMAS, simulation_schemas};
 use crate::value::parse_text;
+use equations::build_equations_schema;
 use models::registry;
 use plane_waves::add_plane_wave_sections;
 use serde_json::{Map, Value, json};
@@ -50,16 +53,21 @@ pub fn generate_json_schema() -> Value {
     for (name, kinds) in [("solid", ModelKind::solid_kinds()), ("flow", ModelKind::flow_kinds())] {
         add_simulation_sections(name, &kinds, &mut properties, &mut branches, &mut definitions);
     }
+    let equations = build_equations_schema(&properties);
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "wellposed case",
         "description": "A case file of wellposed. SI units; angles in degrees.",
         "type": "object",
-        "properties": properties,
-        "anyOf": [{ "required": ["model"] }, { "required": rheology_sections }],
-        "dependentRequired": { "stress": ["yield"] },
-        "additionalProperties": false,
-        "allOf": branches.into_if_then_list(),
+        "if": build_value_condition("model", "kind", &[EQUATIONS_KIND]),
+        "then": equations,
+        "else": {
+            "properties": properties,
+            "anyOf": [{ "required": ["model"] }, { "required": rheology_sections }],
+            "dependentRequired": { "stress": ["yield"] },
+            "additionalProperties": false,
+            "allOf": branches.into_if_then_list(),
+        },
         "$defs": definitions,
     })
 }
@@ -315,7 +323,7 @@ fn add_simulation_sections(
                 ModelKind::Solid(_) => {
                     json!({ "allOf": [own, build_dimension_condition(dimensions)] })
                 }
-                ModelKind::Flow(_) | ModelKind::Rheology => own.clone(),
+                ModelKind::Flow(_) | ModelKind::Rheology | ModelKind::Equations => own.clone(),
             });
             let scope = SchemaScope { dimensions: Some(dimensions), ..SchemaScope::default() };
             for table_schema in &table_schemas {
@@ -401,8 +409,9 @@ fn build_dimension_condition(dimensions: usize) -> Value {
 
 /// Builds the schema of a table or of a list of tables.
 fn build_table_schema(table_schema: &'static TableSchema, scope: &SchemaScope) -> Value {
-    let mut schema = match table_schema.groups {
-        [] => build_stress_schema(),
+    let mut schema = match (table_schema.groups, table_schema.named_values) {
+        (_, Some(values)) => value_types::build_named_values_schema(values),
+        ([], None) => build_stress_schema(),
         _ => build_keys_schema(table_schema, scope),
     };
     schema["description"] = json!(table_schema.meaning);

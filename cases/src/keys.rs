@@ -17,6 +17,7 @@ use super::numbers::CaseNumbers;
 use super::value::CaseValue;
 use models::common::parameter::Parameter;
 use models::registry;
+use std::sync::{Mutex, PoisonError};
 
 impl Key {
     /// Finds the row of the key `name`.
@@ -75,6 +76,25 @@ impl SweepParameter {
         })
     }
 
+    /// Returns the parameter for the number `index` of a model given as equations, from its key, its name for axes and
+    /// its unit. Keys of such numbers live as long as the program; equal ones are kept once.
+    pub(crate) fn from_equation_number(index: usize, texts: [&str; 3]) -> Self {
+        static KEYS: Mutex<Vec<&'static Key>> = Mutex::new(Vec::new());
+        let mut kept = KEYS.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same = |own: &&&'static Key| {
+            [own.name, own.label, own.unit] == texts
+                && matches!(own.storage, KeyStorage::EquationNumber(other) if other == index)
+        };
+        if let Some(key) = kept.iter().find(is_same) {
+            return Self { key, component_index: 0 };
+        }
+        let [name, label, unit] = texts.map(|text| &*text.to_owned().leak());
+        let key: &'static Key =
+            Box::leak(Box::new(Key::from_equation_number(index, [name, label, unit])));
+        kept.push(key);
+        Self { key, component_index: 0 }
+    }
+
     /// Returns the name used in `[map]`.
     pub fn name(self) -> String {
         self.format_with_component(self.key.name)
@@ -102,7 +122,7 @@ impl SweepParameter {
         let constants = match kind {
             ModelKind::Flow(flow) => flow.parameters(),
             ModelKind::Solid(solid) => solid.parameters,
-            ModelKind::Rheology => return None,
+            ModelKind::Rheology | ModelKind::Equations => return None,
         };
         constants.iter().enumerate().find(|(_, own)| own.name == name)
     }
@@ -127,6 +147,7 @@ impl SweepParameter {
             KeyStorage::OptionalPair(f) => {
                 f(numbers).get_or_insert_default()[self.component_index] = value;
             }
+            KeyStorage::EquationNumber(index) => numbers.equation_numbers[index] = value,
             // `all_parameters` yields no parameters of other types.
             _ => {}
         }

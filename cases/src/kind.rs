@@ -1,5 +1,6 @@
 //! Kinds of model and media of a case.
 
+use crate::equations::EQUATIONS_KIND;
 use models::flow::{FlowKind, RotationKind};
 use models::registry;
 pub use models::solid::SolidKind;
@@ -18,6 +19,9 @@ pub enum ModelKind {
     /// A uniaxial rheological scheme, which has a section `[rheology]` in place of `[model]` and no registry entry;
     /// only `wellposed diagram` takes it. Not among [`all_kinds`](Self::all_kinds).
     Rheology,
+    /// A model given as equations in the case file, without a registry entry. Not among
+    /// [`all_kinds`](Self::all_kinds).
+    Equations,
 }
 
 /// A medium: kind of model and yield set, which determine the keys of a case.
@@ -94,7 +98,7 @@ impl ModelKind {
     /// Returns the yield sets admitted by the kind of model.
     pub fn admissible_yield_sets(self) -> Vec<YieldSetKind> {
         match self {
-            Self::Flow(_) | Self::Rheology => Vec::new(),
+            Self::Flow(_) | Self::Rheology | Self::Equations => Vec::new(),
             Self::Solid(solid) => {
                 registry::yield_sets().into_iter().filter(|set| set.is_compatible(solid)).collect()
             }
@@ -122,6 +126,7 @@ impl ModelKind {
             Self::Flow(flow) => flow.name(),
             Self::Solid(solid) => solid.name,
             Self::Rheology => "rheology",
+            Self::Equations => EQUATIONS_KIND,
         }
     }
 
@@ -131,6 +136,7 @@ impl ModelKind {
             Self::Flow(flow) => flow.title(),
             Self::Solid(solid) => solid.title,
             Self::Rheology => "rheological scheme",
+            Self::Equations => "model given as equations",
         }
     }
 
@@ -140,7 +146,7 @@ impl ModelKind {
     pub fn simulation_rotation(self) -> Option<RotationKind> {
         match self {
             Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
-            Self::Solid(_) | Self::Rheology => None,
+            Self::Solid(_) | Self::Rheology | Self::Equations => None,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::entries::CaseEntries;
 use super::error::{CaseError, escape};
+use super::key_positions::KeyPositions;
 use super::keys::{Key, SweepParameter};
 use super::kind::MediumKind;
 use super::numbers::CaseNumbers;
@@ -84,23 +85,8 @@ impl MapAxes {
             medium,
             ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"],
         )?;
-        if x.parameter == y.parameter {
-            return Err(entries.positions.key_error(
-                "map.y.parameter",
-                format!("found {} on both axes", y.parameter.name()),
-                "sweep two different parameters",
-            ));
-        }
-        if x.point_count.checked_mul(y.point_count).is_none_or(|points| points > MAX_MAP_POINTS) {
-            let larger =
-                if x.point_count > y.point_count { "map.x.points" } else { "map.y.points" };
-            return Err(entries.positions.key_error(
-                larger,
-                format!("a grid of {} × {} points", x.point_count, y.point_count),
-                format!("expected at most {MAX_MAP_POINTS} points in total"),
-            ));
-        }
         let map = Self { x, y };
+        map.check(&entries.positions)?;
         let swept = [("map.x", map.x), ("map.y", map.y)];
         let of_stress = |sweep: &ParameterSweep| sweep.parameter.key().name.starts_with("stress.");
         if let (Some((axis, sweep)), true) =
@@ -120,6 +106,57 @@ impl MapAxes {
         }
         Ok(Some(map))
     }
+
+    /// Checks that the axes sweep different parameters and that the map has not too many points, and the ends of each
+    /// axis.
+    pub(super) fn check(&self, positions: &KeyPositions) -> Result<(), CaseError> {
+        let Self { x, y } = *self;
+        if x.parameter == y.parameter {
+            return Err(positions.key_error(
+                "map.y.parameter",
+                format!("found {} on both axes", y.parameter.name()),
+                "sweep two different parameters",
+            ));
+        }
+        if x.point_count.checked_mul(y.point_count).is_none_or(|points| points > MAX_MAP_POINTS) {
+            let larger =
+                if x.point_count > y.point_count { "map.x.points" } else { "map.y.points" };
+            return Err(positions.key_error(
+                larger,
+                format!("a grid of {} × {} points", x.point_count, y.point_count),
+                format!("expected at most {MAX_MAP_POINTS} points in total"),
+            ));
+        }
+        check_ends(positions, "map.x", &x)?;
+        check_ends(positions, "map.y", &y)
+    }
+}
+
+/// Checks the ends of a sweep.
+fn check_ends(
+    positions: &KeyPositions,
+    axis: &str,
+    sweep: &ParameterSweep,
+) -> Result<(), CaseError> {
+    let ParameterSweep { first_value: from, last_value: to, point_count: points, .. } = *sweep;
+    let [from_key, to_key, points_key] =
+        ["from", "to", "points"].map(|name| format!("{axis}.{name}"));
+    if points > 1 && from == to {
+        let found = format!("found {from:?} at both ends");
+        return Err(positions.key_error(&to_key, found, "give two different ends, or 1 point"));
+    }
+    // Larger counts are reported as a grid with too many points.
+    if (2..=MAX_MAP_POINTS).contains(&points) {
+        check_spacing(positions, [&from_key, &to_key, &points_key], from, to, points)?;
+    }
+    if sweep.parameter.key().name.starts_with("wave.")
+        && sweep.parameter.key().unit == "1/m"
+        && from.min(to) <= 0.0
+    {
+        let key = if from <= 0.0 { from_key } else { to_key };
+        return Err(wave_number_error(positions, &key, from.min(to)));
+    }
+    Ok(())
 }
 
 fn read_sweep(
@@ -138,32 +175,13 @@ fn read_sweep(
         CaseValue::Count(points) => *points,
         _ => 1, // unreachable: the key table declares the key as a count
     };
-    if points > 1 && from == to {
-        let found = format!("found {to:?} at both ends");
-        return Err(entries.positions.key_error(
-            to_key,
-            found,
-            "give two different ends, or 1 point",
-        ));
-    }
-    // Larger counts are reported as a grid with too many points.
-    if (2..=MAX_MAP_POINTS).contains(&points) {
-        check_spacing(entries, [from_key, to_key, points_key], from, to, points)?;
-    }
-    if parameter.key().name.starts_with("wave.")
-        && parameter.key().unit == "1/m"
-        && from.min(to) <= 0.0
-    {
-        let key = if from <= 0.0 { from_key } else { to_key };
-        return Err(wave_number_error(entries, key, from.min(to)));
-    }
     Ok(ParameterSweep { parameter, first_value: from, last_value: to, point_count: points })
 }
 
 /// Checks that neighbouring values of a sweep with `points` ≥ 2 values from `from` to `to` differ.
 fn check_spacing(
-    entries: &CaseEntries,
-    [from_key, to_key, points_key]: [&'static str; 3],
+    positions: &KeyPositions,
+    [from_key, to_key, points_key]: [&str; 3],
     from: f64,
     to: f64,
     points: usize,
@@ -174,11 +192,7 @@ fn check_spacing(
         // Report the end of larger magnitude.
         let key = if from.abs() > to.abs() { from_key } else { to_key };
         let found = format!("found {from:?} … {to:?}, whose difference overflows");
-        return Err(entries.positions.key_error(
-            key,
-            found,
-            "give ends whose difference is finite",
-        ));
+        return Err(positions.key_error(key, found, "give ends whose difference is finite"));
     }
     // Rounding changes a value of the sweep by at most 3/2 of `unit`: ε times the largest magnitude, but at least the
     // smallest subnormal double.
@@ -186,11 +200,7 @@ fn check_spacing(
     if range.abs() / (points - 1) as f64 <= 4.0 * unit {
         let found =
             format!("found {points} points between {from:?} and {to:?}, too close to differ");
-        return Err(entries.positions.key_error(
-            points_key,
-            found,
-            "give fewer points, or a wider range",
-        ));
+        return Err(positions.key_error(points_key, found, "give fewer points, or a wider range"));
     }
     Ok(())
 }

@@ -90,8 +90,17 @@ impl Material {
         })
     }
 
-    /// Returns the error of a rheological scheme where a flow or a solid is needed.
-    pub fn rheology_error(&self) -> InputError {
+    /// Returns the error of a rheological scheme or a model given as equations where a flow or a solid is needed.
+    pub fn unsuitable_kind_error(&self) -> InputError {
+        if self.kind == ModelKind::Equations {
+            return InputError {
+                input: "kind",
+                rejected_value: "a model given as equations".to_owned(),
+                allowed_values: "this needs a flow or a solid of the program; wellposed point, map and check take \
+                                 models given as equations"
+                    .to_owned(),
+            };
+        }
         InputError {
             input: "rheology",
             rejected_value: "a rheological scheme".to_owned(),

@@ -115,6 +115,18 @@ impl<'a> NodeTable<'a> {
         }
     }
 
+    /// Returns whether the dotted key is a table with an entry `value`.
+    pub(super) fn has_table_with_value(&self, key: &str) -> bool {
+        let mut table = self;
+        for name in key.split('.') {
+            match table.node(name) {
+                Some(Node::Table(inner)) => table = inner,
+                _ => return false,
+            }
+        }
+        table.has_entry("value")
+    }
+
     /// Inserts a node at a dotted key; returns the normalised key.
     pub(super) fn insert_at_key(
         &mut self,

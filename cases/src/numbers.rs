@@ -20,6 +20,8 @@ pub struct CaseNumbers {
     pub background: BackgroundNumbers,
     /// Wave vector at which the roots of the dispersion relation are listed, section `[wave]`.
     pub wave: WaveNumbers,
+    /// Parameters, then numbers of the background, of a model given as equations.
+    pub equation_numbers: Vec<f64>,
 }
 
 /// Values of constants by name, in the units of a case file.

@@ -4,8 +4,8 @@ use super::keys::{Key, Presence, keys};
 use super::kind::ModelKind;
 use crate::dynamics::stress;
 use crate::schema::{
-    AllowedRange, CountConstraint, KeyCondition, KeyPresence, ListLength, SchemaScope, TableLayout,
-    TableSchema, ValueType,
+    AllowedRange, CountConstraint, KeyCondition, KeyPresence, ListLength, NamedValues, SchemaScope,
+    TableLayout, TableSchema, ValueType,
 };
 use crate::section_schemas::all_schemas;
 use crate::types::MAX_NAME_LENGTH;
@@ -159,6 +159,14 @@ fn append_table(page: &mut String, table_schema: &'static TableSchema) {
         let header = table_schema.layout.format_header(name);
         let _ = writeln!(page, "The former name `{header}` is read for one more version.");
     }
+    if let Some(values) = table_schema.named_values {
+        let _ = writeln!(
+            page,
+            "\nKeys are names of the case; values: {}.",
+            describe_named_values(values)
+        );
+        return;
+    }
     if table_schema.groups.is_empty() {
         append_stress_table(page);
         return;
@@ -238,6 +246,18 @@ fn describe_length(length: ListLength) -> &'static str {
     }
 }
 
+/// Describes the values of a table with free names.
+fn describe_named_values(values: NamedValues) -> &'static str {
+    match values {
+        NamedValues::Units => "table of units by name, or list of names",
+        NamedValues::Parameters => "table by name: a number, or a table with `value` and `unit`",
+        NamedValues::Expressions => "table of texts by name",
+        NamedValues::Background => {
+            "a number, or a table with `value` and derivatives `dt`, `d1`, `d12`, …, each a number or `\"solve\"`"
+        }
+    }
+}
+
 /// Describes a type for a table cell.
 fn describe_type(value: &ValueType) -> String {
     match *value {
@@ -291,5 +311,6 @@ fn describe_type(value: &ValueType) -> String {
         }
         ValueType::IndexList => "list of whole numbers ≥ 0".into(),
         ValueType::SectionKeys(section) => format!("table with keys of `[{section}]`"),
+        ValueType::Named(values) => describe_named_values(values).into(),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::entries::{CaseEntries, describe_allowed_values, find_model_kind};
 use super::error::{CaseError, escape};
+use super::key_positions::KeyPositions;
 use super::keys::{Key, Presence, keys};
 use super::kind::{MediumKind, ModelKind, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
@@ -190,14 +191,14 @@ pub(super) fn read_numbers(
         if let Some(CaseValue::Number(found)) = key.storage.load_value(&numbers)
             && !key.range.contains(found)
         {
-            return Err(wave_number_error(entries, key.name, found));
+            return Err(wave_number_error(&entries.positions, key.name, found));
         }
     }
     Ok(numbers)
 }
 
-pub(super) fn wave_number_error(entries: &CaseEntries, key: &str, found: f64) -> CaseError {
-    entries.positions.key_error(key, format!("found {found:?}"), "a wave number must be positive")
+pub(super) fn wave_number_error(positions: &KeyPositions, key: &str, found: f64) -> CaseError {
+    positions.key_error(key, format!("found {found:?}"), "a wave number must be positive")
 }
 
 /// Reads the kinds of model of `[compare]`.

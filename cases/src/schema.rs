@@ -27,8 +27,10 @@ pub struct TableSchema {
     /// Remedy for messages if the table is missing.
     pub(crate) remedy: &'static str,
     /// Keys of the table, in the order of the reference page; empty for `[initial_stress]`, whose keys are stress
-    /// components.
+    /// components, and for tables with `named_values`.
     pub groups: &'static [KeyGroup],
+    /// Values of a table whose keys the case chooses.
+    pub named_values: Option<NamedValues>,
 }
 
 /// Notation of a table.
@@ -179,6 +181,21 @@ pub enum ValueType {
     IndexList,
     /// An inline table with keys of this section of the case.
     SectionKeys(&'static str),
+    /// A table with one entry per name, which the case chooses.
+    Named(NamedValues),
+}
+
+/// Values of a table whose names the case chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedValues {
+    /// Units of unknowns; a list of names if there are none.
+    Units,
+    /// Numbers, or tables with a value and a unit.
+    Parameters,
+    /// Expressions or equations.
+    Expressions,
+    /// Numbers, or tables of the value and of derivatives.
+    Background,
 }
 
 /// Additional property of the numbers in a list of whole numbers.
@@ -224,8 +241,27 @@ impl TableSchema {
         groups: &'static [KeyGroup],
     ) -> Self {
         let (layout, is_required, remedy) = (TableLayout::Section, false, "");
-        let (former_name, alternative) = (None, None);
-        Self { name, former_name, layout, meaning, is_required, alternative, remedy, groups }
+        let (former_name, alternative, named_values) = (None, None, None);
+        Self {
+            name,
+            former_name,
+            layout,
+            meaning,
+            is_required,
+            alternative,
+            remedy,
+            groups,
+            named_values,
+        }
+    }
+
+    /// Builds the schema of a section whose keys the case chooses.
+    pub(crate) const fn new_open_section(
+        name: &'static str,
+        meaning: &'static str,
+        values: NamedValues,
+    ) -> Self {
+        Self { named_values: Some(values), ..Self::new_section(name, meaning, &[]) }
     }
 
     /// Builds the schema of a list of sections.
@@ -421,6 +457,8 @@ pub(crate) struct CaseSchemas {
     pub(crate) plane_waves: &'static [&'static TableSchema],
     /// Sections of rheological schemes.
     pub(crate) rheology: &'static [&'static TableSchema],
+    /// Sections of models given as equations.
+    pub(crate) equations: &'static [&'static TableSchema],
     /// The section `[check]`.
     pub(crate) check: &'static TableSchema,
     /// Function from a kind of model to the schemas of its time-domain sections.
@@ -436,7 +474,7 @@ impl CaseSchemas {
     /// Returns all schemas.
     pub(crate) fn all(&self) -> impl Iterator<Item = &'static TableSchema> + use<> {
         let sections = self.solids.iter().chain(self.flows).chain(self.plane_waves);
-        sections.chain(self.rheology).copied().chain([self.check])
+        sections.chain(self.rheology).chain(self.equations).copied().chain([self.check])
     }
 
     /// Finds the schema of a section by its former name.

@@ -4,7 +4,7 @@ use crate::error::CaseError;
 use crate::kind::{ModelKind, join_names};
 use crate::schema::{CaseSchemas, TableSchema};
 use crate::section::SectionReader;
-use crate::{check, dynamics, flow, plane_wave, rheology};
+use crate::{check, dynamics, equations, flow, plane_wave, rheology};
 use models::flow::RotationKind;
 
 /// Schemas of all structured sections.
@@ -13,8 +13,20 @@ pub(crate) const CASE_SCHEMAS: CaseSchemas = CaseSchemas {
     flows: &flow::FLOW_SCHEMAS,
     plane_waves: plane_wave::PLANE_WAVE_SCHEMAS,
     rheology: rheology::RHEOLOGY_SCHEMAS,
+    equations: &[],
     check: &check::SCHEMA,
     simulation: simulation_schemas,
+};
+
+/// Schemas of the sections of a case whose model is given as equations; its sections `[model]`, `[background]`,
+/// `[wave]` and `[map]` are structured.
+pub(crate) const EQUATION_CASE_SCHEMAS: CaseSchemas = CaseSchemas {
+    solids: &[],
+    flows: &[],
+    plane_waves: &[],
+    rheology: &[],
+    equations: equations::EQUATION_SCHEMAS,
+    ..CASE_SCHEMAS
 };
 
 /// Returns the schemas of the time-domain sections of a kind of model, in the order of writing; empty if the kind has
@@ -23,19 +35,20 @@ pub(crate) fn simulation_schemas(kind: ModelKind) -> Vec<&'static TableSchema> {
     match kind {
         ModelKind::Solid(_) => dynamics::SOLID_SCHEMAS.to_vec(),
         ModelKind::Flow(_) => flow::schemas_for_kind(kind),
-        ModelKind::Rheology => Vec::new(),
+        ModelKind::Rheology | ModelKind::Equations => Vec::new(),
     }
 }
 
-/// Returns the schemas of all structured sections in five groups: time-domain solids, time-domain flows, plane waves,
-/// rheological schemes and `[check]`.
-pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 5] {
+/// Returns the schemas of all structured sections in six groups: time-domain solids, time-domain flows, plane waves,
+/// rheological schemes, models given as equations, and `[check]`.
+pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 6] {
     let CaseSchemas { solids, flows, plane_waves, rheology, check, .. } = CASE_SCHEMAS;
     [
         ("time-domain simulation of solids", solids.to_vec()),
         ("time-domain simulation of flows", flows.to_vec()),
         ("plane waves in granular and porous media", plane_waves.to_vec()),
         ("rheological schemes", rheology.to_vec()),
+        ("models given as equations", equations::EQUATION_SCHEMAS.to_vec()),
         ("check", vec![check]),
     ]
 }
@@ -55,6 +68,7 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
             ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
             ModelKind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
             ModelKind::Rheology => "found for a rheological scheme".to_owned(),
+            ModelKind::Equations => "found for a model given as equations".to_owned(),
         };
         let allowed = match kind {
             ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
@@ -120,7 +134,7 @@ mod tests {
             let value = DeValue::parse(item.example_value()).expect("TOML");
             let read = item.value_type.parse_value(value.get_ref(), &scope);
             let is_allowed = match (item.value_type, read) {
-                (ValueType::SectionKeys(_), _) => true,
+                (ValueType::SectionKeys(_) | ValueType::Named(_), _) => true,
                 (ValueType::OneOf(allowed_names), Some(CaseValue::Text(word))) => {
                     allowed_names(&scope).contains(&word)
                 }

@@ -148,6 +148,9 @@ title = \"rheological scheme: a first case\"
 
 ";
 
+/// Template of a model given as equations.
+const EQUATIONS_TEMPLATE: &str = include_str!("template/equations.toml");
+
 /// Section `[compare]`, commented out; its kinds of model use only keys that all flows use.
 const COMPARE_COMMENT: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # wellposed point: models compared at this state
@@ -169,6 +172,9 @@ pub fn generate_state_template(medium: impl Into<MediumKind>) -> String {
 
 /// Generates the template of a case for a purpose; of a rheological scheme it is the same for all purposes.
 pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
+    if medium.kind == ModelKind::Equations {
+        return EQUATIONS_TEMPLATE.to_owned();
+    }
     if medium.kind == ModelKind::Rheology {
         let mut blocks = SectionTemplates::new(medium.kind, COMMENT_COLUMNS[1]);
         for table_schema in rheology::RHEOLOGY_SCHEMAS {
@@ -273,8 +279,8 @@ kind = \"{name}\"
                 "# wellposed point FILE    full report on this state
 # wellposed map FILE      verdicts over the two parameters of [map]"
             }
-            // Schemes have a template of their own.
-            ModelKind::Solid(_) | ModelKind::Rheology => {
+            // Schemes and models given as equations have templates of their own.
+            ModelKind::Solid(_) | ModelKind::Rheology | ModelKind::Equations => {
                 "# wellposed dispersion FILE    dispersion relation: frequencies and speeds against wave number
 # wellposed speeds FILE        characteristic speeds against direction
 # wellposed check FILE         predicted frequencies compared with those of the solver

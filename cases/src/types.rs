@@ -113,6 +113,7 @@ impl ValueType {
             Self::TableList(_) => "a list of tables [{ ... }, ...]".into(),
             Self::IndexList => "a list of whole numbers of at least 0".into(),
             Self::SectionKeys(section) => format!("a table with keys of [{section}]"),
+            Self::Named(_) => "a table with an entry for each name".into(),
         }
     }
 
@@ -208,7 +209,7 @@ impl ValueType {
                 let index = |item: &DeValue| usize::try_from(value::parse_integer(item)?).ok();
                 parse_list(value, value.as_array()?.len(), index).map(CaseValue::CountList)
             }
-            Self::Table(_) | Self::TableList(_) | Self::SectionKeys(_) => None,
+            Self::Table(_) | Self::TableList(_) | Self::SectionKeys(_) | Self::Named(_) => None,
         }
     }
 }

@@ -113,7 +113,10 @@ fn assert_same_names(one: &KeyNames, other: &KeyNames) {
 fn json_schema_has_exactly_all_keys() {
     let schema = generate_json_schema();
     let mut names = KeyNames::new();
-    collect_properties(&schema, &schema, "", &mut names);
+    // Cases whose model is given as equations have a branch of their own.
+    collect_properties(&schema["then"], &schema, "", &mut names);
+    collect_properties(&schema["else"], &schema, "", &mut names);
+    names.remove("background.value");
     assert_same_names(&remove_sections(names), &collect_all_keys());
 }
 
@@ -135,6 +138,8 @@ fn reference_page_has_exactly_all_keys() {
             names.insert(if section.is_empty() { key.into() } else { format!("{section}.{key}") });
         }
     }
+    // Both axes of a map of a model given as equations.
+    names.retain(|name| !name.starts_with("{axis}."));
     let in_page = |name: &String| {
         let path: Vec<&str> = name.split('.').collect();
         match path[..] {
@@ -182,9 +187,19 @@ fn templates_have_exactly_all_keys() {
     }
     let rheology = generate_template(ModelKind::Rheology.into(), TemplateKind::SingleState);
     collect_template_keys(&rheology, &mut names);
+    // Names that the template of a model given as equations chooses are inside these tables.
+    let mut own = KeyNames::new();
+    let equations = generate_template(ModelKind::Equations.into(), TemplateKind::SingleState);
+    collect_template_keys(&equations, &mut own);
+    for name in own.into_iter().filter(|name| !name.starts_with("background.")) {
+        let tables = ["model.unknowns", "model.parameters", "model.define", "model.equations"];
+        let table = tables.into_iter().find(|table| name.starts_with(&format!("{table}.")));
+        names.insert(table.map_or(name.clone(), str::to_owned));
+    }
     let mut expected = collect_all_keys();
     // `map.x` and `map.y` are inline tables, whose keys are rows of the key table.
     names.retain(|name| name != "map.x" && name != "map.y");
+    expected.retain(|name| name != "map.x" && name != "map.y");
     // Inline tables and the parameters of shapes are written in full once; their keys are equal in all sections.
     let fold = |name: &str| match name.split('.').collect::<Vec<_>>()[..] {
         [_, table @ ("time" | "profile"), key] => format!("{table}.{key}"),
@@ -292,7 +307,9 @@ fn bundled_resolved_and_template_cases_are_valid() {
         check(&name, &text);
         check(&name, &Case::load(&file, &[]).expect("a case").to_toml());
     }
-    for medium in MediumKind::all_media().chain([ModelKind::Rheology.into()]) {
+    for medium in
+        MediumKind::all_media().chain([ModelKind::Rheology.into(), ModelKind::Equations.into()])
+    {
         for purpose in ALL_TEMPLATES {
             let text = generate_template(medium, purpose);
             check(&medium.title(), &text);
@@ -301,6 +318,8 @@ fn bundled_resolved_and_template_cases_are_valid() {
         }
     }
 }
+
+const EQUATIONS_CASE: &str = include_str!("../src/template/equations.toml");
 
 const SOLID_CASE: &str = include_str!("data/solid.toml");
 
@@ -372,6 +391,13 @@ const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
     (SOLID_CASE, "axis = 2\n", "axis = 3\n"),
     (FLOW_CASE, "at = [0.05, 0.05]", "at = [0.05, 0.05, 0.05]"),
     (FLOW_CASE, "[background]", "[compare]\nkinds = []\n[background]"),
+    // Models given as equations.
+    (EQUATIONS_CASE, "a = { value = 2.0, unit", "a = { valu = 2.0, unit"),
+    (EQUATIONS_CASE, "c = 1.0", "c = '1.0'"),
+    (EQUATIONS_CASE, "c = 1.0", "c = { value = 1.0, dx = 2 }"),
+    (EQUATIONS_CASE, "number = 1000.0", "number = -1"),
+    (EQUATIONS_CASE, "dimensions = 2", "dimension = 2"),
+    (EQUATIONS_CASE, "[wave]", "[yield]\nkind = 'von-mises'\n[wave]"),
     // Mutually exclusive keys.
     (SOLID_CASE, "at = 5\n", "at = 5\nfrom = 1\nto = 2\n"),
     (SOLID_CASE, "count = 3", "count = 3\nat = [1, 1]"),
@@ -382,7 +408,7 @@ const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
 #[test]
 fn invalid_cases_are_rejected_by_schema_and_program() {
     let validator = build_validator();
-    for text in [SOLID_CASE, FLOW_CASE] {
+    for text in [SOLID_CASE, FLOW_CASE, EQUATIONS_CASE] {
         Case::parse(text, "x.toml", &[]).expect("a sound case");
         assert!(validator.is_valid(&parse_to_json(text)));
     }

@@ -29,6 +29,7 @@
 
 pub mod common;
 pub mod elastoplastic;
+pub mod equations;
 pub mod flow;
 pub mod granular_medium;
 pub mod interface;

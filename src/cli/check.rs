@@ -75,6 +75,11 @@ fn describe_plan(plan: &CheckPlan) -> String {
             };
             format!("send all branches at {count} wave vectors{of_blocks}")
         }
+        CheckPlan::Equations(count) => {
+            format!(
+                "compare the linearised equations with differences of the equations at {count} waves"
+            )
+        }
         CheckPlan::NotMeasurable(reason) => {
             format!("say that the case is not measurable: {reason}")
         }

@@ -22,6 +22,9 @@ pub fn locate_state_error(material: &Material, error: StateError) -> Error {
 /// Converts an error in the state at a map point to an error with its position in the case file; errors in swept
 /// parameters are located in the section \[map\].
 pub fn locate_map_point_error(case: &Case, error: StateError) -> Error {
+    if let (StateError::Evaluation(error), Some(equations)) = (&error, &case.equations) {
+        return equations.locate_evaluation_error(error).into();
+    }
     case.locate_error_in_map(into_input_error(&case.material, error)).into()
 }
 
@@ -30,6 +33,7 @@ fn into_input_error(material: &Material, error: StateError) -> InputError {
     let (key, allowed) = match error {
         StateError::Input(error) => return error,
         StateError::Analysis(error) => (state, error.to_string()),
+        StateError::Evaluation(error) => (state, error.to_string()),
         StateError::NoResponse(error) => ("yield", error.to_string()),
         StateError::NormalSearch(error) => ("model", error.to_string()),
     };

@@ -107,7 +107,7 @@ fn solid_kind(material: &Material) -> Result<SolidKind, InputError> {
                 join_names(&ModelKind::solid_kinds())
             ),
         }),
-        ModelKind::Rheology => Err(material.rheology_error()),
+        ModelKind::Rheology | ModelKind::Equations => Err(material.unsuitable_kind_error()),
     }
 }
 

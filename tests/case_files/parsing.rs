@@ -123,7 +123,7 @@ fn every_parameter_reaches_the_model() {
                 model_constants(&changed) != model_constants(&case)
                     || changed.to_flow_state() != case.to_flow_state()
             }
-            ModelKind::Rheology => unreachable!("not among all kinds"),
+            ModelKind::Rheology | ModelKind::Equations => unreachable!("not among all kinds"),
             ModelKind::Solid(_) => {
                 setup::solid::create_solid(&changed.material)
                     != setup::solid::create_solid(&case.material)

@@ -7,6 +7,7 @@ use models::registry;
 use wellposed::CASES;
 use wellposed::case::{Case, MediumKind, ModelKind, keys};
 use wellposed::setup;
+use wellposed::study::ignore_progress;
 
 #[test]
 fn templates_are_complete_and_valid() {
@@ -60,6 +61,10 @@ fn bundled_cases_are_valid_and_have_header_comments() {
                 false if path.starts_with("cases/check/") => "check",
                 false => "dispersion",
             }
+        } else if case.equations.is_some() {
+            wellposed::analyse_point(&case, &ignore_progress)
+                .unwrap_or_else(|error| panic!("{error}"));
+            if case.map.is_some() { "map" } else { "point" }
         } else {
             derive_background(&case).unwrap_or_else(|error| panic!("{error}"));
             if case.map.is_some() { "map" } else { "point" }

@@ -43,6 +43,8 @@ def list_verbs(path):
         return ["shocks"]
     if folder == "rheology":
         return ["diagram"]
+    if folder == "equations":
+        return ["point", "map", "check"]
     return STATE_VERBS
 
 

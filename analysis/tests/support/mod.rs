@@ -9,4 +9,5 @@ pub mod real256;
 pub mod slipping_layer;
 pub mod states;
 pub mod system_entries;
+pub mod typed_flows;
 pub mod verdicts;

@@ -1,7 +1,9 @@
 //! JSON Schema of the value types.
 
 use super::{build_section_schema, build_table_schema};
-use crate::schema::{AllowedRange, CountConstraint, ListLength, SchemaScope, ValueType};
+use crate::schema::{
+    AllowedRange, CountConstraint, ListLength, NamedValues, SchemaScope, ValueType,
+};
 use crate::types::MAX_NAME_LENGTH;
 use serde_json::{Value, json};
 
@@ -62,6 +64,37 @@ fn length_bounds(length: ListLength, scope: &SchemaScope) -> [usize; 2] {
         (ListLength::SpinComponents, Some(2)) => [1, 1],
         (ListLength::SpinComponents, Some(_)) => [3, 3],
         (ListLength::SpinComponents, None) => [1, 3],
+    }
+}
+
+/// Builds the schema of a table whose names the case chooses.
+pub(super) fn build_named_values_schema(values: NamedValues) -> Value {
+    let text = || json!({ "type": "string" });
+    let table = |items: Value| json!({ "type": "object", "additionalProperties": items });
+    match values {
+        NamedValues::Units => {
+            json!({ "anyOf": [table(text()), { "type": "array", "items": text() }] })
+        }
+        NamedValues::Expressions => table(text()),
+        NamedValues::Parameters => {
+            let with_unit = json!({
+                "type": "object",
+                "properties": { "value": { "type": "number" }, "unit": text() },
+                "required": ["value"],
+                "additionalProperties": false,
+            });
+            table(json!({ "anyOf": [{ "type": "number" }, with_unit] }))
+        }
+        NamedValues::Background => {
+            let number = json!({ "anyOf": [{ "type": "number" }, { "const": "solve" }] });
+            let derivatives = json!({
+                "type": "object",
+                "properties": { "value": { "type": "number" } },
+                "patternProperties": { "^d[t123]{1,4}$": number },
+                "additionalProperties": false,
+            });
+            table(json!({ "anyOf": [{ "type": "number" }, derivatives] }))
+        }
     }
 }
 
@@ -139,5 +172,6 @@ pub(super) fn build_type_schema(value: &ValueType, scope: &SchemaScope) -> Value
             json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } })
         }
         ValueType::SectionKeys(section) => build_section_schema(section),
+        ValueType::Named(values) => build_named_values_schema(values),
     }
 }

@@ -79,6 +79,8 @@ pub(crate) enum KeyStorage {
     Pair(fn(&mut CaseNumbers) -> &mut [f64; 2]),
     OptionalPair(fn(&mut CaseNumbers) -> &mut Option<[f64; 2]>),
     OptionalMatrix(fn(&mut CaseNumbers) -> &mut Option<[[f64; 2]; 2]>),
+    /// Number of a model given as equations, by index.
+    EquationNumber(usize),
 }
 
 impl KeyStorage {
@@ -92,6 +94,7 @@ impl KeyStorage {
             | Self::ModelConstant(_)
             | Self::YieldConstant(_)
             | Self::Number(_)
+            | Self::EquationNumber(_)
             | Self::OptionalNumber(_) => ValueType::Number(AllowedRange::Finite),
             Self::Pair(_) | Self::OptionalPair(_) => ValueType::Pair,
             Self::OptionalMatrix(_) => ValueType::Matrix,
@@ -109,6 +112,7 @@ impl KeyStorage {
             Self::ModelConstant(_)
             | Self::YieldConstant(_)
             | Self::Number(_)
+            | Self::EquationNumber(_)
             | Self::OptionalNumber(_) => 1,
             Self::Pair(_) | Self::OptionalPair(_) => 2,
             _ => 0,
@@ -127,6 +131,9 @@ impl KeyStorage {
             Self::Pair(f) => Some(CaseValue::Pair(*f(numbers))),
             Self::OptionalPair(f) => f(numbers).map(CaseValue::Pair),
             Self::OptionalMatrix(f) => f(numbers).map(CaseValue::Matrix),
+            Self::EquationNumber(index) => {
+                numbers.equation_numbers.get(index).copied().map(CaseValue::Number)
+            }
             _ => None,
         }
     }
@@ -147,6 +154,9 @@ impl KeyStorage {
             (Self::Pair(f), CaseValue::Pair(x)) => *f(numbers) = *x,
             (Self::OptionalPair(f), CaseValue::Pair(x)) => *f(numbers) = Some(*x),
             (Self::OptionalMatrix(f), CaseValue::Matrix(x)) => *f(numbers) = Some(*x),
+            (Self::EquationNumber(index), CaseValue::Number(x)) => {
+                numbers.equation_numbers[index] = *x;
+            }
             _ => debug_assert!(!self.is_stored(), "a value of another type than its key's"),
         }
     }
@@ -176,6 +186,24 @@ impl Key {
             sets,
             KeyStorage::YieldConstant(name),
         )
+    }
+
+    /// Builds the row of the number `index` of a model given as equations, from key, name for axes and unit.
+    pub(super) fn from_equation_number(
+        index: usize,
+        [name, label, unit]: [&'static str; 3],
+    ) -> Self {
+        Self {
+            name,
+            label,
+            unit,
+            meaning: "number of a model given as equations",
+            model_filter: ModelFilter::Flows(|_| false),
+            yield_set_filter: None,
+            presence: Presence::Required(0.0),
+            range: AllowedRange::Finite,
+            storage: KeyStorage::EquationNumber(index),
+        }
     }
 
     fn from_constant(
@@ -231,8 +259,11 @@ impl Key {
             return false;
         }
         match (self.model_filter, kind) {
-            // Of the scalar keys a rheological scheme has only those before the first section.
-            (ModelFilter::AllModels, ModelKind::Rheology) => self.split_section().0.is_empty(),
+            // Of the scalar keys a rheological scheme or a model given as equations has only those before the first
+            // section.
+            (ModelFilter::AllModels, ModelKind::Rheology | ModelKind::Equations) => {
+                self.split_section().0.is_empty()
+            }
             (ModelFilter::AllModels, _) => true,
             (ModelFilter::Flows(uses), ModelKind::Flow(flow)) => uses(flow),
             (ModelFilter::Solids(uses), ModelKind::Solid(solid)) => uses(solid),

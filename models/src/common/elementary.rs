@@ -35,6 +35,8 @@ pub trait Elementary: Sized {
     fn cr_sinh(self) -> Self;
     /// cosh x.
     fn cr_cosh(self) -> Self;
+    /// tanh x.
+    fn cr_tanh(self) -> Self;
     /// eˣ.
     fn cr_exp(self) -> Self;
     /// 2ˣ.
@@ -72,6 +74,7 @@ impl Elementary for f64 {
         cr_atan2(x) = f_atan2;
         cr_sinh() = f_sinh;
         cr_cosh() = f_cosh;
+        cr_tanh() = f_tanh;
         cr_exp() = f_exp;
         cr_exp2() = f_exp2;
         cr_ln() = f_log;

@@ -101,6 +101,113 @@ impl Rounded {
         Self::with_rounding_error(value, self.bound / value)
     }
 
+    /// Arc cosine of a number whose exact value lies in [−1, 1].
+    pub fn acos(self) -> Self {
+        self.apply_monotone(|x| x.clamp(-1.0, 1.0).cr_acos())
+    }
+
+    /// Arc tangent.
+    pub fn atan(self) -> Self {
+        self.apply_monotone(f64::cr_atan)
+    }
+
+    /// Exponential.
+    pub fn exp(self) -> Self {
+        self.apply_monotone(f64::cr_exp)
+    }
+
+    /// Natural logarithm; its bound is infinite if the number may be zero or negative.
+    pub fn ln(self) -> Self {
+        if self.value - self.bound <= 0.0 {
+            return Self { value: self.value.cr_ln(), bound: f64::INFINITY };
+        }
+        self.apply_monotone(f64::cr_ln)
+    }
+
+    /// Tangent; its bound is infinite if the argument may be an odd multiple of π/2.
+    pub fn tan(self) -> Self {
+        // The interval [v − b, v + b] holds no pole if cos v is certainly larger than the change sin can make.
+        if self.cos().sign() == Some(0) || self.cos().value.abs() <= self.bound {
+            return Self { value: self.value.cr_tan(), bound: f64::INFINITY };
+        }
+        self.apply_monotone(f64::cr_tan)
+    }
+
+    /// Hyperbolic sine.
+    pub fn sinh(self) -> Self {
+        self.apply_monotone(f64::cr_sinh)
+    }
+
+    /// Hyperbolic cosine, monotone in |x|, which is known to within the same bound.
+    pub fn cosh(self) -> Self {
+        Self { value: self.value.abs(), bound: self.bound }.apply_monotone(|x| x.max(0.0).cr_cosh())
+    }
+
+    /// Hyperbolic tangent.
+    pub fn tanh(self) -> Self {
+        self.apply_monotone(f64::cr_tanh)
+    }
+
+    /// The polar angle in [−π, π] of the point (x, y), where y is `self`. The bound is the angle at which the errors of
+    /// both coordinates are seen from the origin; infinite if the point may be the origin.
+    pub fn atan2(self, x: Self) -> Self {
+        let value = self.value.cr_atan2(x.value);
+        let distance = self.value.root_sum_square(x.value);
+        let error = self.bound.root_sum_square(x.bound);
+        if distance <= error {
+            return Self { value, bound: f64::INFINITY };
+        }
+        // On the negative x axis the angle jumps by 2π.
+        if x.value < 0.0 && self.value.abs() <= self.bound && self.bound > 0.0 {
+            return Self { value, bound: 2.0 * std::f64::consts::PI };
+        }
+        let seen = (error / distance * BOUND_INFLATION).min(1.0).cr_asin() * BOUND_INFLATION;
+        Self::with_rounding_error(value, seen + UNIT_ROUNDOFF * value.abs())
+    }
+
+    /// Power with the exponent `power` of a positive number; its bound is infinite if the number may be zero or
+    /// negative.
+    pub fn powf(self, power: Self) -> Self {
+        let value = self.value.cr_powf(power.value);
+        let low = (self.value - self.bound).next_down();
+        if low <= 0.0 {
+            return Self { value, bound: f64::INFINITY };
+        }
+        // x^p is monotone in x and in p: its extremes on the rectangle of both bounds are at the corners.
+        let bases = if self.bound == 0.0 {
+            [self.value; 2]
+        } else {
+            [low, (self.value + self.bound).next_up()]
+        };
+        let exponents = if power.bound == 0.0 {
+            [power.value; 2]
+        } else {
+            [(power.value - power.bound).next_down(), (power.value + power.bound).next_up()]
+        };
+        let corners = bases.iter().flat_map(|x| exponents.map(|p| x.cr_powf(p)));
+        Self::from_extremes(value, corners)
+    }
+
+    /// A correctly rounded function that is monotone on the interval of possible arguments.
+    fn apply_monotone(self, function: impl Fn(f64) -> f64) -> Self {
+        let value = function(self.value);
+        if self.bound == 0.0 {
+            let exact = value == 0.0 && self.value == 0.0;
+            return if exact { Self::ZERO } else { Self::with_rounding_error(value, 0.0) };
+        }
+        let ends = [(self.value - self.bound).next_down(), (self.value + self.bound).next_up()];
+        Self::from_extremes(value, ends.map(function))
+    }
+
+    /// A correctly rounded value whose exact number lies between the extremes of `ends`, which are correctly rounded.
+    fn from_extremes(value: f64, ends: impl IntoIterator<Item = f64>) -> Self {
+        let spread = ends
+            .into_iter()
+            .map(|end| (end - value).abs() + 2.0 * UNIT_ROUNDOFF * end.abs())
+            .fold(0.0, f64::max);
+        Self::with_rounding_error(value, spread)
+    }
+
     fn with_rounding_error(value: f64, bound: f64) -> Self {
         Self {
             value,

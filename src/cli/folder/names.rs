@@ -19,7 +19,7 @@ pub const MAP_FILES: [&str; 6] =
 
 /// Names of the files of `point`, in addition to the common files: the first two always, the others depending on the
 /// medium and its state.
-pub const POINT_FILES: [&str; 10] = [
+pub const POINT_FILES: [&str; 11] = [
     "point.json",
     "point.txt",
     "growth.png",
@@ -28,6 +28,7 @@ pub const POINT_FILES: [&str; 10] = [
     "polar.svg",
     "growth_by_direction.csv",
     "growth_by_wave_number.csv",
+    "linearised.npz",
     "directions.png",
     "directions.svg",
 ];

@@ -1,6 +1,7 @@
 //! Report on the comparison of measured with predicted waves.
 
 mod blocks;
+mod equations;
 mod flow;
 mod solid;
 
@@ -18,6 +19,7 @@ impl Report for CheckResult {
     fn units(&self) -> &'static [(&'static str, &'static str)] {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => &[],
+            CheckOutcome::Equations(_) => &equations::EQUATIONS_CHECK_UNITS,
             CheckOutcome::Solid(_) => &solid::SOLID_CHECK_UNITS,
             CheckOutcome::Flow(_) => &flow::FLOW_CHECK_UNITS,
         }
@@ -29,6 +31,7 @@ impl Report for CheckResult {
                 let (title, medium) = (case_title(case), &self.medium_title);
                 format!("{title}\n{medium}\n\nnot measurable: {reason}\n")
             }
+            CheckOutcome::Equations(own) => own.to_text(case),
             CheckOutcome::Flow(own) => own.to_text(case),
             CheckOutcome::Solid(own) => own.to_text(case),
         }
@@ -40,6 +43,11 @@ impl Report for CheckResult {
                 let (title, subtitle) = (case_title(case), self.medium_title.clone());
                 let figure =
                     NoteFigure { title, subtitle, text: format!("not measurable: {reason}") };
+                vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
+            }
+            CheckOutcome::Equations(own) => {
+                let (title, subtitle) = (case_title(case), self.medium_title.clone());
+                let figure = NoteFigure { title, subtitle, text: own.summary() };
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
             }
             CheckOutcome::Solid(own) => {

@@ -37,7 +37,7 @@ impl Report for MapResult {
             self.fastest_growth_point.as_ref().map(|worst| self.format_fastest_growth_line(worst)),
         );
         let blind = match (case.material.kind, case.material.numbers.dimensions) {
-            (ModelKind::Flow(_) | ModelKind::Rheology, _) => FLOW_ROUTE,
+            (ModelKind::Flow(_) | ModelKind::Rheology | ModelKind::Equations, _) => FLOW_ROUTE,
             (ModelKind::Solid(_), 3) => SPACE_ROUTE,
             (ModelKind::Solid(_), _) => PLANE_ROUTE,
         };
@@ -78,6 +78,7 @@ impl MapResult {
         if let Some(share) = self.well_posed_fraction {
             let which = match case.material.kind {
                 ModelKind::Flow(_) | ModelKind::Rheology => "fully deforming states",
+                ModelKind::Equations => "states that satisfy the equations",
                 ModelKind::Solid(_) => "states with a response",
             };
             lines

@@ -1,5 +1,6 @@
 //! Report on the analysis of one state.
 
+mod equations;
 mod flow;
 mod flow_figures;
 mod solid;
@@ -17,6 +18,7 @@ impl Report for PointResult {
         match self {
             Self::Flow(found) => flow::format_text(case, found),
             Self::Solid(found) => solid::format_text(case, found),
+            Self::Equations(found) => equations::format_text(case, found),
         }
     }
 
@@ -24,6 +26,7 @@ impl Report for PointResult {
         Ok(match self {
             Self::Flow(found) => flow_figures::create_pictures(case, found),
             Self::Solid(found) => solid::create_pictures(case, found),
+            Self::Equations(_) => Vec::new(),
         })
     }
 
@@ -31,6 +34,7 @@ impl Report for PointResult {
         match self {
             Self::Flow(found) => flow::create_tables(found),
             Self::Solid(_) => Ok(Vec::new()),
+            Self::Equations(found) => equations::create_tables(found),
         }
     }
 }

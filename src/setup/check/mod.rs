@@ -33,6 +33,9 @@ pub enum CheckPlan {
     },
     /// Check of the waves of a flow, and of a perturbation on refined grids.
     Flow(FlowCheckPlan),
+    /// Comparison of the linearised equations of a model given as equations with differences of the equations, at this
+    /// number of waves.
+    Equations(usize),
     /// No check, since no solver supports the case; contains the reason.
     NotMeasurable(String),
 }
@@ -45,6 +48,12 @@ impl CheckPlan {
     pub fn new(case: &Case, extent: CheckExtent) -> Result<Self, Error> {
         if let Err(error) = case.require_model().and_then(|()| case.check_without_contacts()) {
             return Ok(Self::NotMeasurable(format_reason(error)));
+        }
+        if case.equations.is_some() {
+            return Ok(Self::Equations(match extent {
+                CheckExtent::Full => 24,
+                CheckExtent::Short => 3,
+            }));
         }
         check_magnitudes(case)?;
         if let ModelKind::Solid(_) = case.material.kind {

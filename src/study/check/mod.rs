@@ -3,6 +3,7 @@
 //! [`agreement`] compares prediction and measurement; this module collects its results for the problems of a case.
 
 pub mod blocks;
+pub mod equations;
 pub mod flow;
 pub mod refinement;
 pub mod solid;
@@ -13,6 +14,7 @@ use super::ProgressCallback;
 use crate::Error;
 use crate::case::Case;
 use crate::setup::check::CheckPlan;
+use equations::EquationsCheck;
 use flow::FlowCheck;
 use serde::Serialize;
 use solid::SolidCheck;
@@ -40,6 +42,8 @@ pub enum CheckOutcome {
     Solid(SolidCheck),
     /// Check results of a flow.
     Flow(FlowCheck),
+    /// Check results of a model given as equations.
+    Equations(EquationsCheck),
     /// Nothing is measured, since no solver supports the case.
     NotMeasurable {
         /// Reason why no solver supports the case.
@@ -91,6 +95,10 @@ pub fn check_agreement(
             let found = flow::check_flow(case, &plan, on_progress)?;
             (found.is_in_agreement(), CheckOutcome::Flow(found))
         }
+        CheckPlan::Equations(wave_count) => {
+            let found = equations::check_equations(case, wave_count, on_progress)?;
+            (Some(found.is_in_agreement()), CheckOutcome::Equations(found))
+        }
         CheckPlan::NotMeasurable(reason) => (None, CheckOutcome::NotMeasurable { reason }),
     };
     Ok(CheckResult { medium_title: case.medium().title(), is_in_agreement, outcome })
@@ -102,6 +110,7 @@ impl CheckResult {
     pub fn item_and_failure_counts(&self) -> [usize; 2] {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => [0, 0],
+            CheckOutcome::Equations(own) => own.item_and_failure_counts(),
             CheckOutcome::Flow(own) => own.item_and_failure_counts(),
             CheckOutcome::Solid(own) => own.item_and_failure_counts(),
         }
@@ -110,7 +119,7 @@ impl CheckResult {
     /// Returns the number of branches of a solid, or modes of a flow, without measurement.
     pub fn unmeasured_count(&self) -> usize {
         match &self.outcome {
-            CheckOutcome::NotMeasurable { .. } => 0,
+            CheckOutcome::NotMeasurable { .. } | CheckOutcome::Equations(_) => 0,
             CheckOutcome::Flow(own) => own.unmeasured_count(),
             CheckOutcome::Solid(own) => {
                 let media: usize = own.medium_checks.iter().map(|own| own.unmeasured_count()).sum();
@@ -129,6 +138,7 @@ impl CheckResult {
     pub fn max_relative_difference(&self) -> Option<f64> {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => None,
+            CheckOutcome::Equations(own) => own.max_relative_difference(),
             CheckOutcome::Flow(own) => own.max_relative_difference(),
             CheckOutcome::Solid(own) => {
                 let media = own.medium_checks.iter().flat_map(|own| own.relative_differences());

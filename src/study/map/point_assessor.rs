@@ -1,13 +1,15 @@
 //! Assessment of the points of a map.
 
 use super::MapOptions;
-use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, degrees_to_radians};
+use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, WaveNumbers, degrees_to_radians};
 use crate::setup;
 use crate::setup::solid::wave_normal;
 use analysis::StateError;
 use analysis::bound;
+use analysis::equations::EquationsWorkspace;
 use analysis::flows::{FlowWorkspace, Route};
 use analysis::growth::Verdict;
+use analysis::pencil::PencilRoots;
 use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessor, angles_deg};
 use models::InputError;
 use models::common::parameter::Parameter;
@@ -176,6 +178,7 @@ pub(super) struct PointAssessor<'a> {
     workspace: FlowWorkspace,
     solid_assessor: SolidAssessor<'a>,
     swept_flow: SweptFlow,
+    equations_workspace: EquationsWorkspace,
 }
 
 /// Model of a flow whose swept constants change from point to point.
@@ -240,7 +243,16 @@ impl<'a> PointAssessor<'a> {
     ) -> Self {
         let (workspace, solid_assessor) = (FlowWorkspace::default(), SolidAssessor::new(cache));
         let swept_flow = SweptFlow::new(case, map);
-        Self { case: case.clone(), map, options, workspace, solid_assessor, swept_flow }
+        let equations_workspace = EquationsWorkspace::default();
+        Self {
+            case: case.clone(),
+            map,
+            options,
+            workspace,
+            solid_assessor,
+            swept_flow,
+            equations_workspace,
+        }
     }
 
     pub(super) fn assess_point(&mut self, x: usize, y: usize) -> Result<MapPoint, StateError> {
@@ -266,8 +278,47 @@ impl<'a> PointAssessor<'a> {
                     assessed => assessed,
                 }
             }
-            ModelKind::Rheology => Err(StateError::Input(self.case.material.rheology_error())),
+            ModelKind::Equations => {
+                for (sweep, index) in sweeps {
+                    self.case.set_number(sweep.parameter, sweep.sweep_value(index));
+                }
+                self.assess_equations()
+            }
+            ModelKind::Rheology => {
+                Err(StateError::Input(self.case.material.unsuitable_kind_error()))
+            }
         }
+    }
+
+    fn assess_equations(&mut self) -> Result<MapPoint, StateError> {
+        let Self { case, options, equations_workspace: workspace, .. } = self;
+        let Some(equations) = &case.equations else {
+            return Err(StateError::Input(case.material.unsuitable_kind_error()));
+        };
+        let (model, numbers) = (&equations.model, &case.material.numbers);
+        let found = workspace.assess(model, &mut equations.state(numbers))?;
+        let mut point = MapPoint::with_status(PointStatus::WellPosed);
+        if options.computes_growth_rate {
+            let WaveNumbers { wave_number, direction_deg, elevation_deg, .. } = numbers.wave;
+            let [direction, elevation] = [direction_deg, elevation_deg].map(degrees_to_radians);
+            let roots = workspace.roots(model, wave_number, direction, elevation)?;
+            if let PencilRoots::Regular { finite, .. } = roots {
+                point.growth_rate = finite.iter().map(|root| root.re).fold(f64::NAN, f64::max);
+            }
+        }
+        if options.computes_bound {
+            let supremum = workspace.locate_supremum(model, &found);
+            point.growth_bound = supremum.map_or(f64::NAN, |supremum| supremum.growth_rate);
+        }
+        point.set_verdict(found.assessment.verdict, Route::ModelBlind);
+        match found.direction.as_deref() {
+            Some(&[x, y, z]) => {
+                [point.direction_deg, point.elevation_deg] = angles_deg([x, y, z]);
+            }
+            Some([_]) => point.direction_deg = f64::NAN,
+            _ => {}
+        }
+        Ok(point)
     }
 
     fn assess_solid(&mut self) -> Result<MapPoint, StateError> {

@@ -1,10 +1,12 @@
 //! Analysis of one state of a flow or solid: background, characteristics, dispersion roots, growth, verdict.
 
 pub mod background;
+pub mod equations;
 pub mod flow;
 pub mod flow_state;
 pub mod solid;
 
+pub use equations::EquationsAnalysis;
 pub use flow::{FlowAnalysis, FlowModelAnalysis, FlowState};
 pub use flow_state::YieldingState;
 pub use solid::SolidAnalysis;
@@ -23,6 +25,8 @@ pub enum PointResult {
     Flow(FlowAnalysis),
     /// Analysis of the state of a solid.
     Solid(Box<SolidAnalysis>),
+    /// Analysis of the state of a model given as equations.
+    Equations(Box<EquationsAnalysis>),
 }
 
 impl PointResult {
@@ -33,6 +37,7 @@ impl PointResult {
                 flow.analysis.yielding_state().map(|state| &state.assessment.verdict)
             }
             Self::Solid(solid) => Some(&solid.assessment.verdict),
+            Self::Equations(found) => Some(&found.assessment.verdict),
         }
     }
 }
@@ -81,7 +86,10 @@ pub fn analyse_point(case: &Case, on_progress: ProgressCallback) -> Result<Point
         ModelKind::Solid(_) => {
             Ok(PointResult::Solid(Box::new(solid::analyse_solid(case, on_progress)?)))
         }
-        ModelKind::Rheology => Err(case.locate_error(case.material.rheology_error()).into()),
+        ModelKind::Equations => {
+            Ok(PointResult::Equations(Box::new(equations::analyse_equations(case, on_progress)?)))
+        }
+        ModelKind::Rheology => Err(case.locate_error(case.material.unsuitable_kind_error()).into()),
     }
 }
 

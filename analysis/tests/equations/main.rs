@@ -1,0 +1,8 @@
+//! Models given as equations: the published answers to the bundled cases, and the built-in models typed in.
+
+mod built_in;
+mod forms;
+mod known_answers;
+mod linearised;
+#[path = "../support/mod.rs"]
+mod support;

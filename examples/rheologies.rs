@@ -1,0 +1,72 @@
+//! Draws `gallery/rheologies.png`: growth of short waves in granular rheologies against the inertial number.
+//!
+//! `cargo run --release --example rheologies -- gallery/rheologies.png`
+//!
+//! Simple shear at a pressure of 1 kPa, of the incompressible μ(I) rheology, its regularisation by Barker & Gray (2017) and
+//! compressible I-dependent rheologies (Barker, Schaeffer, Shearer & Gray 2017), from the cases in `cases/equations`. The
+//! growth coefficient lim Re ς/k² is drawn in units of the square of the particle diameter times the shear rate; a rheology
+//! has no curve where it is well-posed.
+
+use std::error::Error;
+use std::path::Path;
+use wellposed::analysis::growth::Verdict;
+use wellposed::figures::{FigureFormat, LabelledCurve, SpectrumFigure};
+use wellposed::study::ignore_progress;
+
+/// Diameter of the particles, m, and factor I/γ̇ = d √(ρ_s/p), s, of the cases.
+const DIAMETER: f64 = 5e-4;
+const TIME: f64 = DIAMETER * 1.581_138_830_084_189_7;
+
+/// Number of inertial numbers from 10⁻⁴ to 10.
+const POINT_COUNT: usize = 101;
+
+/// Growth coefficient in units of d² γ̇ against the inertial number; NaN where the case is well-posed or has no state.
+fn compute_curve(
+    case: &str,
+    settings: &[&str],
+    label: &str,
+) -> Result<LabelledCurve, Box<dyn Error>> {
+    let path = format!("cases/equations/{case}.toml");
+    let mut points = Vec::new();
+    for index in 0..POINT_COUNT {
+        let inertial = 10f64.powf(-4.0 + 5.0 * index as f64 / (POINT_COUNT - 1) as f64);
+        let rate = inertial / TIME;
+        let shear = format!("background.v1.d2={rate:?}");
+        let case = wellposed::load(&path, settings.iter().copied().chain([shear.as_str()]))?;
+        let growth = match wellposed::analyse_point(&case, &ignore_progress) {
+            Ok(found) => match found.verdict() {
+                Some(Verdict::IllPosed { growth: Some(growth), .. }) => growth.coefficient,
+                _ => f64::NAN,
+            },
+            Err(_) => f64::NAN,
+        };
+        points.push([inertial, growth / (DIAMETER * DIAMETER * rate)]);
+    }
+    let drawn = points.iter().filter(|[_, growth]| growth.is_finite()).count();
+    let label = if drawn == 0 { format!("{label}: well-posed") } else { label.to_owned() };
+    println!("{label}: ill-posed of order 2 at {drawn} of {POINT_COUNT} inertial numbers");
+    Ok(LabelledCurve { label, points })
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).unwrap_or_else(|| "rheologies.png".into());
+    let figure = SpectrumFigure {
+        title: "Growth of short waves in granular rheologies".into(),
+        subtitle: "simple shear; no curve where well-posed".into(),
+        x_label: "inertial number I".into(),
+        y_label: "growth coefficient, in units of d² γ̇".into(),
+        spectra: vec![
+            compute_curve("mu-of-i", &[], "μ(I)")?,
+            compute_curve("barker-gray", &[], "Barker & Gray 2017")?,
+            compute_curve("compressible-i-dependent", &[], "compressible, three conditions")?,
+            compute_curve(
+                "compressible-i-dependent",
+                &["model.parameters.alpha1=-0.2", "model.parameters.beta1=-0.05"],
+                "compressible, ∂Y/∂I < 0",
+            )?,
+        ],
+        measured_points: Vec::new(),
+    };
+    std::fs::write(Path::new(&path), figure.draw(FigureFormat::Png)?)?;
+    Ok(())
+}
