@@ -1,7 +1,7 @@
 //! Verifies simulations with default settings against exact solutions, with twenty cells per wavelength (ten in three
 //! dimensions).
 
-mod reference;
+use crate::reference;
 
 use reference::comparison::ReferenceSettings;
 use reference::{ComponentError, REFERENCE_PROBLEMS};

@@ -1,6 +1,6 @@
 //! Tests of `wellposed check`: predicted and measured rates agree, and disagreement is reported.
 
-mod support;
+use crate::support;
 
 use agreement::solids::{BranchResult, SolverSettings};
 use dynamics::problem::{PlasticStep, Splitting};

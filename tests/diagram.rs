@@ -1,6 +1,6 @@
 //! Tests of `wellposed diagram`: files, reported numbers, refusals, other verbs on rheological schemes.
 
-mod program;
+use crate::program;
 
 use program::{create_case_folder, create_folder, run_with_exit_code};
 use serde_json::Value;

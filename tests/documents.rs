@@ -1,6 +1,6 @@
 //! Verifies links, paths, commands and command output in the documents.
 
-mod program;
+use crate::program;
 
 use files::npz;
 use program::run_with_arguments;

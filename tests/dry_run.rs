@@ -1,6 +1,6 @@
 //! Verifies that `--dry-run` of every verb lists exactly the files that the verb writes.
 
-mod program;
+use crate::program;
 
 use program::{list_entries, run_with_arguments};
 use std::collections::BTreeSet;

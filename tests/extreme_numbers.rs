@@ -1,7 +1,7 @@
 //! Verifies that numbers out of the range of the computation are refused, and that no result contains non-finite
 //! numbers.
 
-mod program;
+use crate::program;
 
 use program::*;
 use std::path::Path;

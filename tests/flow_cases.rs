@@ -1,6 +1,6 @@
 //! Tests of time-domain flow sections of case files: parsing, refusals and messages.
 
-mod support;
+use crate::support;
 
 use models::flow::RotationKind;
 use std::fs;

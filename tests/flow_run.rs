@@ -1,8 +1,8 @@
 //! Tests of time-domain flows through the program: decay and growth as assessed, results independent of the number of
 //! threads and of interruptions, and the files of a run.
 
-mod program;
-mod support;
+use crate::program;
+use crate::support;
 
 use program::{
     RUN_ARGUMENTS, create_case_folder, create_command, read_result_files, run_with_exit_code,

@@ -1,8 +1,8 @@
 //! Tests of loads on the surface of half-planes and half-spaces with the bundled cases: against exact Rayleigh waves
 //! and a quadrature over wave numbers, in three dimensions with a rigid block, and with yielding on three grids.
 
-mod reference;
-mod support;
+use crate::reference;
+use crate::support;
 
 use num_complex::Complex64;
 use reference::{IsotropicSolid, REFERENCE_SOLID, RICKER};

@@ -1,6 +1,6 @@
 //! Tests of `wellposed homogenise`: reported constants, the written case in other verbs, refusals, JSON report.
 
-mod program;
+use crate::program;
 
 use program::{create_case_folder, run_with_exit_code};
 use serde_json::Value;

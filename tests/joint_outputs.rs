@@ -1,7 +1,7 @@
 //! Verifies the result files of the joints of blocky media: table, archive, lines for ParaView, snapshots, pictures and
 //! report.
 
-mod support;
+use crate::support;
 
 use files::npz::{ArrayValues, read_arrays};
 use files::vti::{POINTS_ARRAY, parse_collection, read_plain_time, read_plain_values};

@@ -1,7 +1,7 @@
 //! Verifies the key `ends` of saturated joints: closed and open ends of layers reflect the fluid's pressure with opposite
 //! signs, and ends that contradict other sections are refused.
 
-mod support;
+use crate::support;
 
 use support::{parse_case, replace_first};
 use wellposed::study::ignore_progress;

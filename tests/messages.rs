@@ -1,6 +1,6 @@
 //! Tests of errors as JSON and of exit codes.
 
-mod program;
+use crate::program;
 
 use program::*;
 use serde_json::Value;

@@ -1,6 +1,6 @@
 //! Tests of a registered yield set that limits normal stresses only, which no shear stress reaches.
 
-mod polyhedral_set;
+use crate::polyhedral_set;
 
 use analysis::growth::Verdict;
 use models::InputError;

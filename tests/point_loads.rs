@@ -1,7 +1,7 @@
 //! Tests of point sources and point loads: against the exact wave of a plane source at any position in a cell, and
 //! reduced models with planes of symmetry against the complete model.
 
-mod support;
+use crate::support;
 
 use std::collections::HashMap;
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Tests of plane pulses against the exact wave, and of loads with a profile along their boundary.
 
-mod support;
+use crate::support;
 
 use support::{Columns, create_run_options, format_periodic_boundaries, read_columns, run_case};
 use wellposed::case::Case;

@@ -1,7 +1,7 @@
 //! Tests of interpolation at receivers between cells, of lines and grids of receivers, and of snapshots between
 //! steps: against exact initial states and against the values of adjacent cells and steps.
 
-mod support;
+use crate::support;
 
 use std::f64::consts::PI;
 use std::fs;

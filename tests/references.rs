@@ -1,7 +1,7 @@
 //! Verifies the exact solutions of `tests/reference` independently: equations of motion and free surfaces by finite
 //! differences, momentum and energy balances, reciprocity, closed forms.
 
-mod reference;
+use crate::reference;
 
 use reference::interface::{self, BodyWave};
 use reference::oblique::LOWER_SOLID;

@@ -1,7 +1,7 @@
 //! Verifies that both routes to a verdict, by closed form and from the linearised equations, give the same verdict,
 //! order, coefficient and direction.
 
-mod states;
+use crate::states;
 
 use analysis::flows::FlowWorkspace;
 use analysis::growth::Verdict;

@@ -1,7 +1,7 @@
 //! Tests of time-domain runs of solids through the program: against exact waves, bit-identical results for any number
 //! of threads, equilibrium under balanced weight, and cases that cannot be run.
 
-mod support;
+use crate::support;
 
 use files::npz::{ArrayValues, read_arrays};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};

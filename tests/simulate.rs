@@ -1,6 +1,6 @@
 //! Tests of time-domain simulations without files: same values as in the files of the program, and early ends.
 
-mod support;
+use crate::support;
 
 use files::npz::{ArrayValues, read_arrays};
 use std::fs;

@@ -1,6 +1,6 @@
 //! Verifies that snapshots have the requested times and that other results do not depend on them.
 
-mod support;
+use crate::support;
 
 use files::npz::read_arrays;
 use files::vti::{read_plain_time, read_plain_values};

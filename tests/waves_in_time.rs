@@ -1,7 +1,7 @@
 //! Verifies the bundled time-domain wave cases, and shorter variants, against dispersion relations and an exact
 //! response that are independent of the solver.
 
-mod support;
+use crate::support;
 
 use num_complex::Complex64;
 use serde_json::Value;

@@ -1,5 +1,7 @@
 //! A case: reading from a case file and writing as TOML.
 
+mod requirements;
+
 use super::check::{self, CheckOptions};
 use super::dynamics::{PlottedQuantity, SolidGrid, SolidRun, TimeFunction};
 use super::entries::{CaseEntries, find_model_kind};
@@ -55,7 +57,7 @@ pub struct Case {
     pub flow_run: Option<FlowRun>,
     /// Section `[check]`: waves and grids of `wellposed check`, if present.
     pub check_options: Option<CheckOptions>,
-    /// Sections of plane waves in granular and porous media, if present.
+    /// Loads of plane waves in a granular or porous medium, if present.
     pub plane_wave: Option<PlaneWaveOptions>,
     /// Sections of a rheological scheme; the case then has no `[model]`, and the kind of its material is
     /// [`ModelKind::Rheology`].
@@ -182,16 +184,14 @@ impl Case {
         let title = read_title(&entries);
         let name = scalar_keys::read_name(&entries, file)?;
         let check = check::read_check(&entries.structured_reader(SchemaScope::default()))?;
-        let plane_wave = plane_wave::read_plane_wave(
-            &entries.structured_reader(SchemaScope::default()),
-            &entries.positions,
-            media[0],
-            is_in_time,
-        )?;
+        let root = entries.structured_reader(SchemaScope::default());
+        let contacts = plane_wave::read_contacts(&root, &entries.positions, media[0])?;
+        let plane_wave = plane_wave::read_loads(&root, contacts.as_ref(), is_in_time)?;
         let material = Material {
             kind,
             yield_set: yields,
             active_conditions: active,
+            contacts,
             numbers,
             positions: entries.positions.clone(),
         };
@@ -252,6 +252,7 @@ impl Case {
             kind: ModelKind::Rheology,
             yield_set: None,
             active_conditions: None,
+            contacts: None,
             numbers: CaseNumbers::default(),
             positions: entries.positions.clone(),
         };
@@ -295,6 +296,7 @@ impl Case {
             kind: ModelKind::Equations,
             yield_set: None,
             active_conditions: None,
+            contacts: None,
             numbers,
             positions: entries.positions.clone(),
         };
@@ -317,48 +319,6 @@ impl Case {
             hints: entries.hints.0.clone(),
             source_path: None,
         })
-    }
-
-    /// Returns the model given as equations.
-    ///
-    /// # Errors
-    /// The case has a model of another kind.
-    pub fn require_equations(&self) -> Result<&EquationsCase, CaseError> {
-        self.equations.as_ref().ok_or_else(|| {
-            let found = format!("found {}", self.material.kind.name());
-            let allowed =
-                "this needs a model given as equations: wellposed new equations writes one";
-            self.material.positions.key_error("model.kind", found, allowed)
-        })
-    }
-
-    /// Checks that the case describes a flow or a solid.
-    ///
-    /// # Errors
-    /// The case describes a rheological scheme.
-    pub fn require_model(&self) -> Result<(), CaseError> {
-        match self.rheology {
-            None => Ok(()),
-            Some(_) => Err(self.locate_error(self.rheology_error())),
-        }
-    }
-
-    /// Returns the rheological scheme of the case with its load path.
-    ///
-    /// # Errors
-    /// The case has no sections `[rheology]` and `[load_path]`; the message says how to add them.
-    pub fn require_rheology(&self) -> Result<&RheologyCase, CaseError> {
-        self.rheology.as_ref().ok_or_else(|| {
-            let found = format!("found {}", self.material.kind.name());
-            let allowed = "this needs a rheological scheme: a case with the sections [rheology] and \
-                           [load_path] in place of [model]; wellposed new rheology writes one";
-            self.material.positions.key_error("model.kind", found, allowed)
-        })
-    }
-
-    /// Returns the error of a rheological scheme where a flow or a solid is needed.
-    pub(super) fn rheology_error(&self) -> InputError {
-        self.material.unsuitable_kind_error()
     }
 
     /// Returns the path of the file from which the case was loaded.
@@ -411,22 +371,6 @@ impl Case {
         self.material.locate_error(error)
     }
 
-    /// Returns the section `[map]`.
-    ///
-    /// # Errors
-    /// The case has no section `[map]`; the message says how to add one.
-    pub fn require_map(&self) -> Result<&MapAxes, CaseError> {
-        self.map.as_ref().ok_or_else(|| {
-            let axis =
-                "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
-            self.material.positions.key_error(
-                "map",
-                "missing",
-                format!("add a section [map] with x = {axis} and y"),
-            )
-        })
-    }
-
     /// Adds the position to an input error of a model at a point of the map. An error of a swept number is reported at
     /// its axis in `[map]`, not at the key of the number.
     pub fn locate_error_in_map(&self, error: InputError) -> CaseError {
@@ -454,41 +398,9 @@ impl Case {
         found.ok_or_else(|| missing_grid_error(&self.material.positions, self.material.kind))
     }
 
-    /// Returns the plane wave problem of the case.
-    ///
-    /// # Errors
-    /// The case has no granular or porous medium; the message says how to add one.
-    pub fn require_plane_wave(&self) -> Result<&PlaneWaveOptions, CaseError> {
-        self.plane_wave.as_ref().ok_or_else(|| {
-            let allowed = "add a section [porous] with porosity and contact_bulk_modulus, or [granular] \
-                           with friction, and [piston] with pressure or speed";
-            self.material.positions.key_error("porous", "missing", allowed)
-        })
-    }
-
-    /// Checks that the case describes no granular or porous medium, for studies of solids without contacts.
-    ///
-    /// # Errors
-    /// The case has a section `[granular]` or `[porous]`.
-    pub fn check_without_contacts(&self) -> Result<(), CaseError> {
-        let Some(own) = &self.plane_wave else { return Ok(()) };
-        let allowed = "use wellposed shocks, or leave the section out to analyse the elastic solid of \
-                       [model]";
-        let found = "found; this analyses solids without contacts and pores";
-        Err(self.material.positions.key_error(own.medium.section(), found, allowed))
-    }
-
     /// Adds the position in the section of the granular or porous medium to an input error of that medium.
     pub fn locate_medium_error(&self, error: InputError) -> CaseError {
-        let section = self.plane_wave.as_ref().map_or("model", |own| own.medium.section());
-        let key = match error.input {
-            "density" => "model.density".to_owned(),
-            "bulk_modulus" => "model.lambda".to_owned(),
-            "shear_modulus" => "model.mu".to_owned(),
-            input => format!("{section}.{input}"),
-        };
-        let found = format!("found {}", error.rejected_value);
-        self.material.positions.key_error(&key, found, error.allowed_values)
+        self.material.locate_medium_error(error)
     }
 
     /// Returns an error at a key of the plane wave problem.
@@ -552,6 +464,9 @@ impl Case {
         }
         if let Some(flow) = &self.flow_run {
             text.push_str(&flow.to_toml());
+        }
+        if let Some(contacts) = &self.material.contacts {
+            text.push_str(&contacts.to_toml());
         }
         if let Some(plane_wave) = &self.plane_wave {
             text.push_str(&plane_wave.to_toml());

@@ -53,6 +53,7 @@ use crate::error::CaseError;
 use crate::key_positions::KeyPositions;
 use crate::kind::ModelKind;
 use crate::material::Material;
+use crate::plane_wave::ContactMedium;
 use crate::schema::TableSchema;
 use crate::section::SectionReader;
 use boundary::periodic_faces;
@@ -157,8 +158,17 @@ impl SolidRun {
             ModelKind::Flow(_) | ModelKind::Rheology | ModelKind::Equations => Theory::Classical, // unreachable: this function reads solids only
         };
         let components = StateComponent::all_components(theory, grid.dimensions());
-        let reader =
-            SolidReader { grid: &grid, theory, state_components: components, case_folder: folder };
+        let history = match material.contacts {
+            Some(ContactMedium::Porous { .. }) => StateComponent::CONTACT_COMPONENTS.to_vec(),
+            _ => Vec::new(),
+        };
+        let reader = SolidReader {
+            grid: &grid,
+            theory,
+            state_components: components,
+            history_components: history,
+            case_folder: folder,
+        };
         let regions = reader.read_regions(root, &read_material)?;
         let blocks = reader.read_blocky_medium(root, &read_material)?;
         let conditions = reader.read_boundary_conditions(root)?;
@@ -172,24 +182,43 @@ impl SolidRun {
         let of_regions = regions.iter().map(|region| &region.material);
         let of_blocks = blocks.iter().flat_map(|blocks| &blocks.materials);
         let mut own = of_regions.chain(of_blocks).peekable();
-        let yields = match own.peek() {
-            None => material.yield_set.is_some(),
-            Some(_) => own.any(|material| material.yield_set.is_some()),
+        let media: Vec<&Material> = match own.peek() {
+            None => vec![material],
+            Some(_) => own.collect(),
         };
+        let yields = media.iter().any(|own| own.is_plastic());
+        let has_contacts = media.iter().any(|own| own.contacts.is_some());
         let output = reader.read_output(root, yields, blocks.as_ref())?;
         let time = SolidTime::read(root)?;
         let has_joints = blocks.as_ref().is_some_and(Blocks::has_joints);
+        let initial_terms = reader.read_initial_terms(root)?;
+        let initial_stress = reader.read_initial_stress(root)?;
+        let gravity = Gravity::read(root)?;
+        if has_contacts {
+            let excluded = [
+                ("joint", has_joints),
+                ("time.courant_of", time.courant_waves != CourantWaves::Fastest),
+                ("initial", !initial_terms.is_empty()),
+                ("initial_stress", initial_stress.iter().any(|own| own.1 != 0.0)),
+                ("gravity.balanced", gravity.as_ref().is_some_and(|own| own.is_balanced)),
+            ];
+            if let Some((key, _)) = excluded.into_iter().find(|own| own.1) {
+                let allowed = "leave it out: runs of granular and porous media have none";
+                let found = "found beside a granular or porous medium";
+                return Err(root.key_error(key, found, allowed));
+            }
+        }
         Ok(Self {
-            scheme: SchemeOptions::read(root, &time, (yields, has_joints))?,
+            scheme: SchemeOptions::read(root, &time, (yields, has_joints, has_contacts))?,
             time,
             blocks,
             regions,
             boundary_conditions: conditions,
             loads,
             sources,
-            initial_terms: reader.read_initial_terms(root)?,
-            initial_stress: reader.read_initial_stress(root)?,
-            gravity: Gravity::read(root)?,
+            initial_terms,
+            initial_stress,
+            gravity,
             receivers: reader.read_receivers(root, &output.integrated_components)?,
             output,
             grid: grid.clone(),

@@ -6,6 +6,7 @@ use super::key_positions::KeyPositions;
 use super::keys::{Key, SweepParameter, keys};
 use super::kind::{MediumKind, ModelKind, NO_YIELD_NAME, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
+use super::plane_wave::ContactMedium;
 use super::scalar_keys;
 use super::section::SectionReader;
 use super::value::CaseValue;
@@ -21,6 +22,8 @@ pub struct Material {
     /// Active yield conditions, as indices into [`MediumKind::yield_condition_names`]; `None` if they follow from the
     /// stress.
     pub active_conditions: Option<Vec<usize>>,
+    /// Contacts of a granular or porous medium, whose particles or skeleton the model describes.
+    pub contacts: Option<ContactMedium>,
     /// Numbers in SI units, angles in degrees.
     pub numbers: CaseNumbers,
     /// Positions of the keys in the case file; ignored in comparisons.
@@ -85,6 +88,7 @@ impl Material {
             kind,
             yield_set: yields,
             active_conditions: active,
+            contacts: self.contacts.clone(),
             numbers,
             positions: entries.positions,
         })
@@ -111,6 +115,11 @@ impl Material {
         }
     }
 
+    /// Whether the medium can flow plastically: by a yield set, or by the yield stress of particles or of a skeleton.
+    pub fn is_plastic(&self) -> bool {
+        self.yield_set.is_some() || self.contacts.as_ref().is_some_and(ContactMedium::is_plastic)
+    }
+
     /// Returns the kind of model and the yield set.
     pub fn medium(&self) -> MediumKind {
         MediumKind { kind: self.kind, yield_set: self.yield_set }
@@ -134,6 +143,19 @@ impl Material {
             format!("found {}", error.rejected_value),
             error.allowed_values,
         )
+    }
+
+    /// Adds the position in the case file to an input error of the granular or porous medium.
+    pub fn locate_medium_error(&self, error: InputError) -> CaseError {
+        let section = self.contacts.as_ref().map_or("model", ContactMedium::section);
+        let key = match error.input {
+            "density" => "model.density".to_owned(),
+            "bulk_modulus" => "model.lambda".to_owned(),
+            "shear_modulus" => "model.mu".to_owned(),
+            input => format!("{section}.{input}"),
+        };
+        let found = format!("found {}", error.rejected_value);
+        self.positions.key_error(&key, found, error.allowed_values)
     }
 
     /// Returns the case key of an input of the model, yield set or state; other names are returned unchanged.

@@ -1,4 +1,5 @@
-//! The sections of plane waves in granular and porous media: `[granular]`, `[porous]`, `[piston]` and `[spall]`.
+//! The sections of granular and porous media, `[granular]` and `[porous]`, and of plane waves in them, `[piston]` and
+//! `[spall]`.
 //!
 //! The section `[model]` of the kind `classical` gives the elastic particles or the elastic skeleton; `[granular]` or
 //! `[porous]` adds contacts and plastic flow.
@@ -37,11 +38,9 @@ named_enum! {
     }
 }
 
-/// Plane wave problem of a case: a medium with contacts, and its loads.
+/// Loads of plane waves in a granular or porous medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneWaveOptions {
-    /// Medium.
-    pub medium: ContactMedium,
     /// Section `[piston]`.
     pub piston: Option<Piston>,
     /// Section `[spall]`, of granular media only.
@@ -111,17 +110,16 @@ pub struct SpallPulse {
     pub profile_time: Option<f64>,
 }
 
-/// Reads the sections of plane waves; `None` if there is none.
+/// Reads the section `[granular]` or `[porous]`; `None` if there is neither.
 ///
 /// # Errors
-/// A key is unknown or missing, a value is invalid, the elastic solid is not classical or has a yield set, a medium or a
-/// load is missing or given twice, or the case also has a grid.
-pub(super) fn read_plane_wave(
+/// A key is unknown or missing, a value is invalid, the elastic solid is not classical or has a yield set, or the medium is
+/// missing or given twice.
+pub(super) fn read_contacts(
     root: &SectionReader,
     positions: &KeyPositions,
     medium: MediumKind,
-    has_grid: bool,
-) -> Result<Option<PlaneWaveOptions>, CaseError> {
+) -> Result<Option<ContactMedium>, CaseError> {
     let given = PLANE_WAVE_SCHEMAS.iter().map(|own| own.name).find(|name| root.has_key(name));
     let Some(section) = given else { return Ok(None) };
     if medium.kind.name() != ELASTIC_KIND {
@@ -133,12 +131,8 @@ pub(super) fn read_plane_wave(
         let allowed = "leave [yield] out: the yield stress is a key of [granular] and [porous]";
         return Err(positions.key_error("yield", format!("found beside [{section}]"), allowed));
     }
-    if has_grid {
-        let allowed = "leave it or [grid] out: the time-domain solver has no granular and porous \
-                       media; wellposed shocks needs no grid";
-        return Err(root.key_error(section, "found beside a grid", allowed));
-    }
-    let medium = match (root.open_section(&GRANULAR_SCHEMA)?, root.open_section(&POROUS_SCHEMA)?) {
+    let contacts = match (root.open_section(&GRANULAR_SCHEMA)?, root.open_section(&POROUS_SCHEMA)?)
+    {
         (Some(_), Some(_)) => {
             let allowed = "keep one of both sections";
             return Err(root.key_error("porous", "found beside [granular]", allowed));
@@ -150,6 +144,19 @@ pub(super) fn read_plane_wave(
         (Some(granular), None) => read_granular(granular)?,
         (None, Some(porous)) => read_porous(porous)?,
     };
+    Ok(Some(contacts))
+}
+
+/// Reads the loads of plane waves in a medium with contacts; `None` if there is none beside a grid.
+///
+/// # Errors
+/// A key is unknown or missing, a value is invalid, or a load is missing or belongs to another medium.
+pub(super) fn read_loads(
+    root: &SectionReader,
+    contacts: Option<&ContactMedium>,
+    has_grid: bool,
+) -> Result<Option<PlaneWaveOptions>, CaseError> {
+    let Some(medium) = contacts else { return Ok(None) };
     let is_granular = matches!(medium, ContactMedium::Granular { .. });
     let piston = root.open_section(&PISTON_SCHEMA)?.map(|own| read_piston(own, is_granular));
     let piston = piston.transpose()?;
@@ -159,13 +166,16 @@ pub(super) fn read_plane_wave(
         return Err(root.key_error("spall", "found for a porous medium", allowed));
     }
     if piston.is_none() && spall.is_none() {
+        if has_grid {
+            return Ok(None);
+        }
         let allowed = match is_granular {
             true => "add a section [piston] with pressure or speed, or [spall]",
             false => "add a section [piston] with pressure or speed",
         };
-        return Err(root.key_error(section, "found without a load", allowed));
+        return Err(root.key_error(medium.section(), "found without a load", allowed));
     }
-    Ok(Some(PlaneWaveOptions { medium, piston, spall }))
+    Ok(Some(PlaneWaveOptions { piston, spall }))
 }
 
 fn read_granular(section: SectionReader) -> Result<ContactMedium, CaseError> {
@@ -244,7 +254,17 @@ impl ContactMedium {
         }
     }
 
-    fn to_toml(&self) -> String {
+    /// Whether particles or skeleton have a yield stress.
+    pub fn is_plastic(&self) -> bool {
+        match self {
+            Self::Granular { yield_stress, .. } | Self::Porous { yield_stress, .. } => {
+                yield_stress.is_some()
+            }
+        }
+    }
+
+    /// Formats the section as TOML.
+    pub(super) fn to_toml(&self) -> String {
         let with_limit = |text: TableWriter, limit: &Option<f64>| match limit {
             Some(limit) => text.with_number("yield_stress", limit),
             None => text,
@@ -283,7 +303,7 @@ impl ContactMedium {
 impl PlaneWaveOptions {
     /// Formats the sections as TOML.
     pub(super) fn to_toml(&self) -> String {
-        let mut text = self.medium.to_toml();
+        let mut text = String::new();
         let with_time = |text: TableWriter, time: Option<f64>| match time {
             Some(time) => text.with_number("profile_time", time),
             None => text,
@@ -297,7 +317,7 @@ impl PlaneWaveOptions {
             if let Some(duration) = own.duration {
                 table = table.with_number("duration", duration);
             }
-            if let ContactMedium::Granular { .. } = self.medium {
+            if own.loosening != 0.0 {
                 table = table.with_number("loosening", own.loosening);
             }
             text += &with_time(table, own.profile_time).to_section_toml(&PISTON_SCHEMA);

@@ -43,6 +43,7 @@ fn parse(text: &str) -> Result<Case, String> {
 #[test]
 fn sections_are_read_and_written() {
     for text in [
+        RUN.to_owned(),
         POROUS.to_owned(),
         GRANULAR.to_owned(),
         POROUS.replace(
@@ -53,21 +54,59 @@ fn sections_are_read_and_written() {
         POROUS.replace("yield_stress = 4e7\n", ""),
     ] {
         let case = parse(&text).unwrap();
-        assert!(case.plane_wave.is_some());
+        assert!(case.material.contacts.is_some());
         let again = parse(&case.to_toml()).unwrap();
-        assert_eq!(case.plane_wave, again.plane_wave, "{}", case.to_toml());
+        assert_eq!(case, again, "{}", case.to_toml());
         assert_eq!(case.to_toml(), again.to_toml());
     }
-    let own = parse(POROUS).unwrap().plane_wave.unwrap();
-    let ContactMedium::Porous { porosity, contact_cone, intensity_coefficient, .. } = own.medium
+    let case = parse(POROUS).unwrap();
+    let Some(ContactMedium::Porous { porosity, contact_cone, intensity_coefficient, .. }) =
+        case.material.contacts
     else {
-        panic!("{own:?}")
+        panic!("{case:?}")
     };
+    let own = case.plane_wave.unwrap();
     assert_eq!((porosity, contact_cone, intensity_coefficient), (0.01, None, 0.375));
     assert_eq!(own.piston.unwrap().load, PistonLoadValue::Pressure(1e9));
     let own = parse(GRANULAR).unwrap().plane_wave.unwrap();
     assert_eq!(own.piston.unwrap().loosening, 0.01);
     assert_eq!(own.spall.unwrap().shape, SpallShape::Triangle);
+}
+
+/// A region without contacts beside a granular medium.
+const RUN: &str = "
+[model]
+kind = 'classical'
+lambda = 1
+mu = 1
+density = 1
+[granular]
+friction = 0.5
+[grid]
+cells = [9, 9]
+spacing = 1
+[time]
+duration = 1
+[[region]]
+shape = 'layer'
+axis = 2
+from = 0
+to = 4
+contacts = 'none'
+[[region]]
+shape = 'rest'
+";
+
+#[test]
+fn regions_inherit_contacts_unless_they_have_none() {
+    let case = parse(RUN).unwrap();
+    let run = case.solid_run.as_ref().unwrap();
+    let contacts: Vec<bool> =
+        run.regions.iter().map(|region| region.material.contacts.is_some()).collect();
+    assert_eq!(contacts, [false, true]);
+    let scheme = run.scheme;
+    assert_eq!(scheme.reconstruction, wellposed_cases::dynamics::ReconstructionScheme::Eno2);
+    assert_eq!(scheme.splitting, wellposed_cases::dynamics::DimensionalSplitting::TwoCyclic);
 }
 
 #[test]
@@ -151,10 +190,22 @@ fn wrong_sections_are_refused_with_line_and_key() {
             "x.toml:11: yield: found beside [porous];",
         ),
         (
-            POROUS,
-            "[piston]",
-            "[grid]\ncells = [9, 9]\nspacing = 1\n[time]\nduration = 1\n[piston]",
-            "x.toml:7: porous: found beside a grid;",
+            RUN,
+            "[time]",
+            "[scheme]\norder = 'fourth-order'\n[time]",
+            "scheme.order: found 'fourth-order'; allowed: eno2, godunov",
+        ),
+        (
+            RUN,
+            "[time]",
+            "[initial_stress]\nsigma11 = 1\n[time]",
+            "x.toml:12: initial_stress: found beside a granular or porous medium;",
+        ),
+        (
+            RUN,
+            "duration = 1",
+            "duration = 1\ncourant_of = 's'",
+            "time.courant_of: found beside a granular or porous medium;",
         ),
         (
             POROUS,

@@ -7,6 +7,8 @@
 #[path = "../tests/solid/support/noise.rs"]
 mod noise;
 
+use models::granular_medium::{GranularMedium, GranularParameters};
+use models::porous::{PoreContact, PorousMedium, PorousParameters};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
@@ -14,6 +16,7 @@ use models::yield_set::parameters::Mises;
 use std::time::Instant;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::contact_law::ContactLaw;
 use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::ledger::Energy;
 use wellposed_dynamics::line::Slopes;
@@ -36,6 +39,10 @@ enum MediaDistribution {
     Inclusions,
     /// One of two media at random in each cell.
     EachCell,
+    /// Granular medium with plastic particles.
+    Granular,
+    /// Porous medium with an elastic skeleton.
+    Porous,
     /// Elastic; initial fields decay exponentially along the last axis down to subnormal values.
     Tails,
 }
@@ -81,6 +88,35 @@ fn build_medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
     Medium::new(solid, dimensions)
 }
 
+fn granular_medium(dimensions: usize) -> Medium {
+    let parameters = GranularParameters {
+        density: 1.2,
+        bulk_modulus: 2.0,
+        shear_modulus: 0.9,
+        friction: 0.5,
+        yield_stress: Some(0.1),
+        intensity_coefficient: GranularParameters::DEFAULT_INTENSITY_COEFFICIENT,
+    };
+    let medium = GranularMedium::new(parameters).expect("sound constants");
+    Medium::with_contact(ContactLaw::from(&medium), dimensions)
+}
+
+fn porous_medium(dimensions: usize) -> Medium {
+    let parameters = PorousParameters {
+        density: 1.2,
+        bulk_modulus: 2.0,
+        shear_modulus: 0.9,
+        yield_stress: None,
+        intensity_coefficient: PorousParameters::DEFAULT_INTENSITY_COEFFICIENT,
+        contact_bulk_modulus: 1.0,
+        porosity: 0.05,
+        contact: PoreContact::Spherical,
+    };
+    let medium = PorousMedium::new(parameters).expect("sound constants");
+    let law = ContactLaw::from_porous(&medium).expect("a spherical contact");
+    Medium::with_contact(law, dimensions)
+}
+
 /// Returns a pseudo-random number in [0, 1).
 fn unit_noise(index: usize) -> f64 {
     0.5 * noise::noise(index as u64) + 0.5
@@ -97,6 +133,8 @@ fn build_media_and_cells<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Ve
     let layer = row.cells_per_axis.pow(D as u32 - 1);
     match row.media {
         MediaDistribution::Elastic | MediaDistribution::Tails => (vec![medium], single_medium),
+        MediaDistribution::Granular => (vec![granular_medium(D)], single_medium),
+        MediaDistribution::Porous => (vec![porous_medium(D)], single_medium),
         MediaDistribution::Yielding => (yielding(1e-3), single_medium),
         MediaDistribution::Strong => (yielding(1e3), single_medium),
         MediaDistribution::Layers => {
@@ -201,10 +239,11 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
     let count = cell_media.len();
     let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     // Slopes and splitting are the defaults of case files.
-    let is_elastic = media.iter().all(|medium| medium.yield_set.is_none());
+    let has_contacts = media.iter().any(|medium| medium.contact.is_some());
+    let is_elastic = media.iter().all(|medium| medium.yield_set.is_none()) && !has_contacts;
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
     let scheme = Scheme {
-        splitting: Splitting::Alternating,
+        splitting: if has_contacts { Splitting::TwoCyclic } else { Splitting::Alternating },
         ..Scheme::new(slopes, PlasticStep::ReturnMapping)
     };
     let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
@@ -337,6 +376,10 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
                 rows.push(BenchmarkRow { threads, is_single_precision: true, ..row });
                 rows.push(BenchmarkRow { threads, media: MediaDistribution::Strong, ..row });
                 rows.push(BenchmarkRow { threads, media: MediaDistribution::Yielding, ..row });
+                if theory == Theory::Classical && cells_per_axis != 256 {
+                    let others = [MediaDistribution::Granular, MediaDistribution::Porous];
+                    rows.extend(others.map(|media| BenchmarkRow { threads, media, ..row }));
+                }
                 if cells_per_axis != 256 {
                     rows.push(BenchmarkRow { threads, media: MediaDistribution::EachCell, ..row });
                 }

@@ -22,5 +22,6 @@ pub mod solid;
 
 pub use solid::domain::SolverReal;
 pub use solid::{
-    boundary, domain, initial, ledger, line, medium, point_kernel, probe, problem, reference,
+    boundary, contact_law, domain, initial, ledger, line, medium, point_kernel, probe, problem,
+    reference,
 };

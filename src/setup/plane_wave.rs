@@ -1,13 +1,17 @@
 //! Granular and porous media from a case.
 
-use crate::case::plane_wave::{ContactMedium, PlaneWaveOptions};
-use crate::case::{Case, CaseError};
+use crate::case::plane_wave::ContactMedium;
+use crate::case::{Case, CaseError, Material};
 use crate::setup;
 use analysis::plane_shocks::PlaneWaveError;
+use dynamics::contact_law::ContactLaw;
+use dynamics::medium::Medium;
+use models::InputError;
 use models::granular_medium::{GranularMedium, GranularParameters};
 use models::porous::{PoreContact, PorousMedium, PorousParameters};
 use models::solid::parameters::Isotropic;
 use models::uniaxial::UniaxialDiagram;
+use models::yield_set::parameters::Mises;
 
 /// Granular or porous medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,16 +53,31 @@ impl PlaneWaveMedium {
 /// # Errors
 /// The case has no such medium, or a constant is out of range.
 pub fn create_medium(case: &Case) -> Result<PlaneWaveMedium, CaseError> {
-    let PlaneWaveOptions { medium, .. } = case.require_plane_wave()?;
-    let solid =
-        setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
-    let elastic = solid.elastic_law.downcast::<Isotropic>().ok_or_else(|| {
-        let found = "found a solid that is not isotropic".to_owned();
-        case.plane_wave_error("model.kind", found, "expected classical".to_owned())
+    let contacts = case.require_contacts()?;
+    create_material_medium(&case.material, contacts)
+}
+
+/// Creates the granular or porous medium of a material with these contacts.
+///
+/// # Errors
+/// A constant is out of range.
+pub(crate) fn create_material_medium(
+    material: &Material,
+    contacts: &ContactMedium,
+) -> Result<PlaneWaveMedium, CaseError> {
+    let law = setup::solid::create_elastic_law_and_set(material)
+        .map_err(|error| material.locate_error(error))?
+        .0;
+    let elastic = law.downcast::<Isotropic>().ok_or_else(|| {
+        material.locate_error(InputError {
+            input: "kind",
+            rejected_value: "a solid that is not isotropic".to_owned(),
+            allowed_values: "expected classical".to_owned(),
+        })
     })?;
     let (density, shear_modulus) = (elastic.density, elastic.mu);
     let bulk_modulus = elastic.lambda + 2.0 / 3.0 * elastic.mu;
-    let created = match *medium {
+    let created = match *contacts {
         ContactMedium::Granular { friction, yield_stress, intensity_coefficient } => {
             let parameters = GranularParameters {
                 density,
@@ -96,7 +115,45 @@ pub fn create_medium(case: &Case) -> Result<PlaneWaveMedium, CaseError> {
             PorousMedium::new(parameters).map(PlaneWaveMedium::Porous)
         }
     };
-    created.map_err(|error| case.locate_medium_error(error))
+    created.map_err(|error| material.locate_medium_error(error))
+}
+
+/// Creates the solver medium of a granular or porous medium in a grid of `dimensions` axes.
+///
+/// # Errors
+/// A constant is out of range, or the walls of pores have friction.
+pub(crate) fn create_solver_medium(
+    material: &Material,
+    contacts: &ContactMedium,
+    dimensions: usize,
+) -> Result<Medium, CaseError> {
+    match create_material_medium(material, contacts)? {
+        PlaneWaveMedium::Granular(medium) => {
+            Ok(Medium::with_contact(ContactLaw::from(&medium), dimensions))
+        }
+        PlaneWaveMedium::Porous(porous) => {
+            let Some(law) = ContactLaw::from_porous(&porous) else {
+                return Err(
+                    material.locate_medium_error(InputError {
+                        input: "contact",
+                        rejected_value: "cone".to_owned(),
+                        allowed_values:
+                            "expected spherical: runs have no friction of the walls of pores"
+                                .to_owned(),
+                    }),
+                );
+            };
+            let medium = Medium::with_contact(law, dimensions);
+            let PorousParameters { yield_stress, intensity_coefficient, .. } = *porous.parameters();
+            Ok(match yield_stress {
+                // √(c² s:s) ≤ τ_s is √(½ s:s) ≤ τ_s/√(2c²).
+                Some(limit) => medium.with_yield_set(Mises::new_von_mises(
+                    limit / (2.0 * intensity_coefficient).sqrt(),
+                )),
+                None => medium,
+            })
+        }
+    }
 }
 
 /// Converts an error of a plane wave problem to an error at a key of the case.

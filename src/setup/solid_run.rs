@@ -14,6 +14,7 @@ use crate::case::dynamics::{
     self as case, BoundaryFace, CourantWaves, SolidRun, SolidTime, StateComponent,
 };
 use crate::case::{Case, CaseError, Material};
+use crate::setup::plane_wave::create_solver_medium;
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
@@ -37,8 +38,11 @@ pub(crate) struct SolidSetup<const D: usize> {
 /// neither, the medium of its material.
 pub(crate) fn create_media(case: &Case, solid_run: &SolidRun) -> Result<Vec<Medium>, Error> {
     let dimensions = solid_run.grid.dimensions();
-    let medium = |own: &Material| {
-        solid::create_medium(own, dimensions).map_err(|error| own.locate_error(error).into())
+    let medium = |own: &Material| match &own.contacts {
+        Some(contacts) => Ok(create_solver_medium(own, contacts, dimensions)?),
+        None => {
+            solid::create_medium(own, dimensions).map_err(|error| own.locate_error(error).into())
+        }
     };
     let materials = solid_run.materials();
     if materials.is_empty() {
@@ -242,6 +246,7 @@ fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
         DomainError::InitialStress => "initial_stress",
         DomainError::OutOfMemory { .. } => "grid.cells",
         DomainError::Interlayers { .. } => "joint",
+        DomainError::Contacts(_) => "scheme",
         _ => "grid",
     };
     solid_run.key_error(key, error.to_string(), "docs/case-file.md describes solids in time")

@@ -40,7 +40,7 @@ def list_verbs(path):
     if folder == "flow":
         return ["run", "point", "map", "check"]
     if folder == "porous":
-        return ["shocks"]
+        return ["shocks", "run", "check"]
     if folder == "rheology":
         return ["diagram"]
     if folder == "equations":

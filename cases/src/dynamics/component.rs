@@ -17,6 +17,10 @@ impl StateComponent {
         state_fields(theory, dimensions).into_iter().map(Self).collect()
     }
 
+    /// Returns the history variables of a medium with contacts that outputs offer.
+    pub const CONTACT_COMPONENTS: [Self; 2] =
+        [Self(SolidField::VolumetricStrain), Self(SolidField::PoreClosure)];
+
     /// Returns the components that a boundary load may prescribe on faces normal to `axis` (numbered from 0):
     /// velocities, spins (in Cosserat solids with couple stress), and the stresses and couple stresses that act on the
     /// face.
@@ -27,7 +31,10 @@ impl StateComponent {
             SolidField::Spin(_) => theory == Theory::Cosserat,
             SolidField::Stress(i, j) => j == axis || (theory == Theory::Classical && i == axis),
             SolidField::Couple(_, j) => j == axis,
-            SolidField::ViscousStrain(..) => false,
+            SolidField::ViscousStrain(..)
+            | SolidField::ExcessStress(..)
+            | SolidField::VolumetricStrain
+            | SolidField::PoreClosure => false,
         };
         Self::all_components(theory, dimensions).into_iter().filter(acts).collect()
     }
@@ -43,7 +50,7 @@ impl StateComponent {
         match self.0 {
             SolidField::Velocity(i) => Some(format!("u{}", i + 1)),
             SolidField::Spin(k) => Some(format!("phi{}", k + 1)),
-            SolidField::Stress(..) | SolidField::Couple(..) | SolidField::ViscousStrain(..) => None,
+            _ => None,
         }
     }
 
@@ -72,6 +79,11 @@ impl fmt::Display for StateComponent {
             SolidField::ViscousStrain(i, j) => {
                 write!(formatter, "viscous_strain{}{}", i + 1, j + 1)
             }
+            SolidField::ExcessStress(i, j) => {
+                write!(formatter, "excess_stress{}{}", i + 1, j + 1)
+            }
+            SolidField::VolumetricStrain => formatter.write_str("volumetric_strain"),
+            SolidField::PoreClosure => formatter.write_str("pore_closure"),
         }
     }
 }

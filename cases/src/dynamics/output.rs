@@ -65,6 +65,7 @@ pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
             "fields",
             ValueType::AnyOf(|scope| {
                 let mut names = component_names(&components_in_scope(scope));
+                names.extend(component_names(&StateComponent::CONTACT_COMPONENTS));
                 names.extend(integral_names(scope));
                 names
             }),
@@ -104,6 +105,8 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::OneOf(|scope| {
                 let mut names = vec!["speed".to_owned()];
                 names.extend(component_names(&components_in_scope(scope)));
+                names.extend(component_names(&StateComponent::CONTACT_COMPONENTS));
+                names.push("porosity".to_owned());
                 names.extend(integral_names(scope));
                 names.push("dissipation".to_owned());
                 // Joints exist in plane strain only.
@@ -114,7 +117,7 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"speed\"",
-            "plotted quantity: speed, a component, one of integrals, or dissipation; slip, opening or pressure of the fluid: of the faces of joints, drawn as lines",
+            "plotted quantity: speed, a component, one of integrals, or dissipation; volumetric_strain, pore_closure or porosity of a porous medium; slip, opening or pressure of the fluid: of the faces of joints, drawn as lines",
         ),
         CONTOURS_KEY,
     ])],
@@ -171,6 +174,8 @@ pub enum PlottedQuantity {
     Component(StateComponent),
     /// Time integral of a velocity (displacement) or spin (rotation).
     TimeIntegral(StateComponent),
+    /// Porosity of a porous medium.
+    Porosity,
     /// Plastic dissipation per unit volume, J/m³.
     Dissipation,
     /// A quantity of the faces of joints, which are drawn as coloured lines.
@@ -234,6 +239,7 @@ impl PlottedQuantity {
             Self::Speed => "speed".to_owned(),
             Self::Component(component) => component.to_string(),
             Self::TimeIntegral(component) => component.integral_name().unwrap_or_default(),
+            Self::Porosity => "porosity".to_owned(),
             Self::Dissipation => "dissipation".to_owned(),
             Self::Face(quantity) => quantity.name().to_owned(),
         }
@@ -268,6 +274,11 @@ impl ReceiverPoint<RecordedQuantity> {
 }
 
 impl SolidReader<'_> {
+    /// Returns the components that can be recorded: those of the solid, then history variables.
+    fn recorded_components(&self) -> impl Iterator<Item = StateComponent> {
+        self.state_components.iter().chain(&self.history_components).copied()
+    }
+
     /// Reads the sections `[[receiver]]`; `integrals` are the recorded displacements and rotations.
     pub(super) fn read_receivers(
         &self,
@@ -275,11 +286,12 @@ impl SolidReader<'_> {
         integrals: &[StateComponent],
     ) -> Result<Vec<ReceiverPoint<RecordedQuantity>>, CaseError> {
         let all: Vec<RecordedQuantity> =
-            (self.state_components.iter().copied().map(RecordedQuantity::Component))
+            (self.recorded_components().map(RecordedQuantity::Component))
                 .chain(integrals.iter().copied().map(RecordedQuantity::TimeIntegral))
                 .collect();
         let find = |name: &str| {
-            let component = StateComponent::find_by_name(name, self.theory, &self.state_components);
+            let components: Vec<StateComponent> = self.recorded_components().collect();
+            let component = StateComponent::find_by_name(name, self.theory, &components);
             let integral = || all.iter().copied().find(|own| own.to_string() == name);
             component.map(RecordedQuantity::Component).or_else(integral)
         };
@@ -321,7 +333,10 @@ impl SolidReader<'_> {
         output.integrated_components =
             section.read_distinct_list("integrals", &names, find)?.unwrap_or_default();
         let mut pictures = vec![PlottedQuantity::Speed];
-        pictures.extend(self.state_components.iter().copied().map(PlottedQuantity::Component));
+        pictures.extend(self.recorded_components().map(PlottedQuantity::Component));
+        if !self.history_components.is_empty() {
+            pictures.push(PlottedQuantity::Porosity);
+        }
         pictures.extend(
             output.integrated_components.iter().copied().map(PlottedQuantity::TimeIntegral),
         );

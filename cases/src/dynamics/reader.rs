@@ -14,6 +14,8 @@ pub(super) struct SolidReader<'a> {
     pub(super) theory: Theory,
     /// State components of the solid of the case.
     pub(super) state_components: Vec<StateComponent>,
+    /// History variables of the media, which can be recorded and drawn.
+    pub(super) history_components: Vec<StateComponent>,
     /// Folder of the case file.
     pub(super) case_folder: &'a Path,
 }

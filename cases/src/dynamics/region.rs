@@ -5,6 +5,7 @@ use super::shape::{RegionShape, SHAPE_KEYS};
 use crate::error::CaseError;
 use crate::kind::NO_YIELD_NAME;
 use crate::material::Material;
+use crate::named_enum::named_enum;
 use crate::schema::{KeyGroup, KeySchema, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter};
 
@@ -41,9 +42,28 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 "{ kind = \"none\" }",
                 "keys that override [yield]; kind none makes the region elastic",
             ),
+            KeySchema::new_with_default(
+                "contacts",
+                ValueType::OneOf(|_| {
+                    super::time::variant_names(RegionContacts::ALL, RegionContacts::name)
+                }),
+                "",
+                "\"inherited\"",
+                "contacts of [granular] or [porous]: inherited, or none, a solid without contacts",
+            ),
         ]),
     ],
 );
+
+named_enum! {
+    /// Contacts of the medium of a region.
+    RegionContacts {
+        /// Those of the case.
+        Inherited = "inherited",
+        /// None: a solid.
+        None = "none"
+    }
+}
 
 /// A region of the grid with its own medium.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +72,8 @@ pub struct MaterialRegion {
     pub shape: RegionShape,
     /// Material of the region.
     pub material: Material,
+    /// Contacts of the medium.
+    pub contacts: RegionContacts,
 }
 
 impl MaterialRegion {
@@ -63,6 +85,10 @@ impl MaterialRegion {
             Some(_) => resolved.with_table("yield", &to_section_table(&self.material, "yield")),
             None => resolved
                 .with_table("yield", &TableWriter::default().with_text("kind", NO_YIELD_NAME)),
+        };
+        let resolved = match self.contacts {
+            RegionContacts::Inherited => resolved,
+            RegionContacts::None => resolved.with_text("contacts", self.contacts.name()),
         };
         resolved.to_section_toml(&SCHEMA)
     }
@@ -100,9 +126,18 @@ impl SolidReader<'_> {
                     format!("a second region with shape rest, after region[{first}] ({position})");
                 return Err(section.key_error("shape", found, "use shape = \"rest\" once"));
             }
-            let material = material(&section)?;
+            let mut material = material(&section)?;
+            let contacts = section.read_optional_choice(
+                "contacts",
+                RegionContacts::ALL,
+                RegionContacts::name,
+            )?;
+            let contacts = contacts.unwrap_or_default();
+            if contacts == RegionContacts::None {
+                material.contacts = None;
+            }
             section.finish()?;
-            regions.push(MaterialRegion { shape, material });
+            regions.push(MaterialRegion { shape, material, contacts });
         }
         Ok(regions)
     }

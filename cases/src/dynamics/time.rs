@@ -57,7 +57,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"fourth-order\"",
-            "spatial reconstruction of characteristic waves: fourth-order and godunov are linear, eno2 is limited, for discontinuities; default: eno2 if any medium yields, otherwise fourth-order",
+            "spatial reconstruction of characteristic waves: fourth-order and godunov are linear, eno2 is limited, for discontinuities; default: eno2 if any medium yields or has contacts, otherwise fourth-order",
         ),
         KeySchema::new_with_default(
             "correction",
@@ -73,7 +73,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"alternating\"",
-            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints and courant_of = \"s\" need two-cyclic",
+            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints, contacts and courant_of = \"s\" need two-cyclic",
         ),
         KeySchema::new_with_default(
             "precision",
@@ -223,19 +223,30 @@ impl SolidTime {
 
 impl SchemeOptions {
     /// Reads the section `[scheme]` beside the section `[time]`; `yields` states whether at least one medium yields,
-    /// `has_joints` whether there are joints between blocks.
+    /// `has_joints` whether there are joints between blocks, `has_contacts` whether any medium is granular or porous.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
-    /// since plastic fronts are discontinuous. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
+    /// since plastic fronts are discontinuous, or has contacts. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
     /// second-order return mapping.
     pub(super) fn read(
         root: &SectionReader,
         time: &SolidTime,
-        (yields, has_joints): (bool, bool),
+        (yields, has_joints, has_contacts): (bool, bool, bool),
     ) -> Result<Self, CaseError> {
-        let can_alternate = !has_joints && time.courant_waves == CourantWaves::Fastest;
-        let order =
-            if yields { ReconstructionScheme::Eno2 } else { ReconstructionScheme::FourthOrder };
+        let can_alternate =
+            !has_joints && !has_contacts && time.courant_waves == CourantWaves::Fastest;
+        let order = match yields || has_contacts {
+            true => ReconstructionScheme::Eno2,
+            false => ReconstructionScheme::FourthOrder,
+        };
+        let orders = match has_contacts {
+            true => &[ReconstructionScheme::Eno2, ReconstructionScheme::Godunov],
+            false => ReconstructionScheme::ALL,
+        };
+        let corrections = match has_contacts {
+            true => &[ReturnMappingOrder::FirstOrder],
+            false => ReturnMappingOrder::ALL,
+        };
         let default = |correction: ReturnMappingOrder| match correction {
             ReturnMappingOrder::FirstOrder if time.courant_number < 1.0 && can_alternate => {
                 DimensionalSplitting::Alternating
@@ -247,7 +258,7 @@ impl SchemeOptions {
             return Ok(Self { reconstruction: order, splitting, ..Self::default() });
         };
         let correction = section
-            .read_optional_choice("correction", ReturnMappingOrder::ALL, ReturnMappingOrder::name)?
+            .read_optional_choice("correction", corrections, ReturnMappingOrder::name)?
             .unwrap_or_default();
         let splittings: &[DimensionalSplitting] = match correction {
             ReturnMappingOrder::FirstOrder if can_alternate => DimensionalSplitting::ALL,
@@ -255,11 +266,7 @@ impl SchemeOptions {
         };
         let scheme = Self {
             reconstruction: section
-                .read_optional_choice(
-                    "order",
-                    ReconstructionScheme::ALL,
-                    ReconstructionScheme::name,
-                )?
+                .read_optional_choice("order", orders, ReconstructionScheme::name)?
                 .unwrap_or(order),
             return_mapping_order: correction,
             splitting: section

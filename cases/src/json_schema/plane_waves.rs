@@ -5,7 +5,8 @@ use crate::plane_wave::{ELASTIC_KIND, PLANE_WAVE_SCHEMAS};
 use crate::schema::SchemaScope;
 use serde_json::{Map, Value, json};
 
-/// Adds the sections of plane waves: one medium with its loads, on a classical solid without yield set and grid.
+/// Adds the sections of granular and porous media and of plane waves: one medium, on a classical solid without yield set,
+/// with a load or in a grid.
 pub(super) fn add_plane_wave_sections(
     properties: &mut Map<String, Value>,
     branches: &mut ConditionalSchemas,
@@ -16,7 +17,7 @@ pub(super) fn add_plane_wave_sections(
         let then = branches.requirements_under(json!({ "required": [table_schema.name] }));
         let own = object_entry(then, "properties");
         own.insert("model".into(), json!({ "properties": { "kind": { "const": ELASTIC_KIND } } }));
-        for other in ["yield", "grid", "block"] {
+        for other in ["yield", "joint", "initial", "initial_stress"] {
             own.insert(other.into(), json!(false));
         }
     }
@@ -25,8 +26,8 @@ pub(super) fn add_plane_wave_sections(
         json!(each)
     };
     for (section, excluded, needed) in [
-        ("granular", ["porous"].as_slice(), ["piston", "spall"].as_slice()),
-        ("porous", &["granular", "spall"], &["piston"]),
+        ("granular", ["porous"].as_slice(), ["piston", "spall", "grid", "block"].as_slice()),
+        ("porous", &["granular", "spall"], &["piston", "grid", "block"]),
         ("piston", &[], &["granular", "porous"]),
         ("spall", &[], &["granular"]),
     ] {

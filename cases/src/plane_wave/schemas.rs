@@ -33,7 +33,7 @@ const PROFILE_TIME_KEY: KeySchema = KeySchema::new_optional(
 /// Schema of the section `[granular]`.
 pub(crate) const GRANULAR_SCHEMA: TableSchema = TableSchema::new_section(
     "granular",
-    "granular medium: particles with the elasticity and density of [model] in contact; for wellposed shocks",
+    "granular medium: particles with the elasticity and density of [model] in contact; for wellposed shocks, and for wellposed run with [grid]",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "friction",
@@ -51,7 +51,7 @@ pub(crate) const GRANULAR_SCHEMA: TableSchema = TableSchema::new_section(
 /// Schema of the section `[porous]`.
 pub(crate) const POROUS_SCHEMA: TableSchema = TableSchema::new_section(
     "porous",
-    "porous medium: a skeleton with the elasticity of [model], and pores that collapse; model.density is that of the porous medium; for wellposed shocks",
+    "porous medium: a skeleton with the elasticity of [model], and pores that collapse; model.density is that of the porous medium; for wellposed shocks, and for wellposed run with [grid]",
     &[
         KeyGroup::new(&[
             KeySchema::new_required(

@@ -67,9 +67,7 @@ impl Boundary {
             let is_odd = match field {
                 SolidField::Velocity(i) => i == axis,
                 SolidField::Spin(k) => k != axis,
-                SolidField::Stress(..) | SolidField::Couple(..) | SolidField::ViscousStrain(..) => {
-                    false
-                }
+                _ => false,
             };
             if is_odd == is_even { Condition::OddVelocity } else { Condition::OddStress }
         };

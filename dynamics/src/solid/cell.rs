@@ -82,6 +82,27 @@ impl<T: Real> CellConstants<T> {
     }
 }
 
+impl<L> CellConstants<L> {
+    /// Creates the constants of a group from those of its lanes.
+    pub(crate) fn from_lanes<T: Real>(lane: impl Fn(usize) -> CellConstants<T>) -> Self
+    where
+        L: LaneGroup<T>,
+    {
+        let lanes_of =
+            |value: fn(&CellConstants<T>) -> T| L::from_lanes(|index| value(&lane(index)));
+        Self {
+            impedance: lanes_of(|cell| cell.impedance),
+            half_courant: lanes_of(|cell| cell.half_courant),
+            velocity_factor: lanes_of(|cell| cell.velocity_factor),
+            mean_slope_weight: lanes_of(|cell| cell.mean_slope_weight),
+            upwind_bound: lanes_of(|cell| cell.upwind_bound),
+            upwind_weight: lanes_of(|cell| cell.upwind_weight),
+            central_weight: lanes_of(|cell| cell.central_weight),
+            downwind_weight: lanes_of(|cell| cell.downwind_weight),
+        }
+    }
+}
+
 impl<V: Number> CellConstants<V> {
     /// Returns 1 if the other cell has another impedance or Courant number, else 0.
     #[inline(always)]

@@ -155,7 +155,7 @@ impl PlanePulse {
                 let normal = if i == j { self.lambda * dilation } else { 0.0 };
                 Some(-(normal + self.mu * (a[i] * n[j] + a[j] * n[i])) / self.speed)
             }
-            SolidField::Spin(_) | SolidField::Couple(..) | SolidField::ViscousStrain(..) => None,
+            _ => None,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Energy of a solid, and ledger of the work and dissipation of its steps.
 
 use crate::exact_sum::ExactSum;
+use crate::solid::medium::Medium;
 use crate::solid::problem::Problem;
 use models::interface::FaceEnergy;
 
@@ -234,7 +235,7 @@ impl CellDissipation {
         zeros: impl Fn() -> Result<Vec<f64>, E>,
     ) -> Result<Self, E> {
         let list = |is_needed: bool| if is_needed { zeros() } else { Ok(Vec::new()) };
-        let is_plastic = problem.media.iter().any(|medium| medium.yield_set.is_some());
+        let is_plastic = problem.media.iter().any(Medium::is_plastic);
         let relaxes = problem.media.iter().any(|medium| medium.relaxation.is_some());
         Ok(Self {
             plastic_dissipation: list(is_plastic)?,

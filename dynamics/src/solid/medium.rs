@@ -1,9 +1,11 @@
 //! A solid in the form that the sweeps require: wave pairs, rotation, relaxation and yield set.
 
+use crate::solid::contact_law::ContactLaw;
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
 use models::solid::stress::Stress;
 use models::solid::waves::{SolidField, SpinRotation, VelocityStressPair};
+use models::uniaxial::NO_LIMIT;
 use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
 use std::collections::BTreeMap;
@@ -23,6 +25,8 @@ pub struct Medium {
     pub relaxation: Option<StandardLinearSolid>,
     /// Yield set of the stress, with associated flow rule; dilatancy angles are not used.
     pub yield_set: Option<YieldSet>,
+    /// Contact of particles or of the walls of pores; the elastic law is then that of closed contacts.
+    pub contact: Option<ContactLaw>,
 }
 
 impl Medium {
@@ -37,7 +41,13 @@ impl Medium {
             law,
             relaxation: None,
             yield_set: None,
+            contact: None,
         }
+    }
+
+    /// Creates a medium with contacts in 2 (plane strain) or 3 dimensions.
+    pub fn with_contact(contact: ContactLaw, dimensions: usize) -> Self {
+        Self { contact: Some(contact), ..Self::new(contact.closed_solid(), dimensions) }
     }
 
     /// Creates a standard linear solid in 2 (plane strain) or 3 dimensions: waves propagate in the unrelaxed solid, and
@@ -46,15 +56,49 @@ impl Medium {
         Self { relaxation: Some(solid), ..Self::new(solid.unrelaxed(), dimensions) }
     }
 
-    /// Returns the history variables of the law, which a domain stores after [`fields`](Self::fields): one viscous
-    /// strain per component of the symmetric stress deviator; empty without relaxation.
+    /// Returns the history variables of the law, which a domain stores after [`fields`](Self::fields): with relaxation
+    /// one viscous strain per component of the symmetric stress, and those of a contact.
     pub fn history_fields(&self) -> Vec<SolidField> {
-        let viscous_strain = |field: &SolidField| match *field {
-            SolidField::Stress(i, j) if i <= j => Some(SolidField::ViscousStrain(i, j)),
-            _ => None,
+        let by_component = |create: fn(usize, usize) -> SolidField| {
+            self.fields.iter().filter_map(move |field| match *field {
+                SolidField::Stress(i, j) if i <= j => Some(create(i, j)),
+                _ => None,
+            })
         };
-        let fields = self.fields.iter().filter(|_| self.relaxation.is_some());
-        fields.filter_map(viscous_strain).collect()
+        let mut fields = Vec::new();
+        if self.relaxation.is_some() {
+            fields.extend(by_component(SolidField::ViscousStrain));
+        }
+        match self.contact {
+            Some(ContactLaw::Granular { .. }) => {
+                fields.extend(by_component(SolidField::ExcessStress));
+            }
+            Some(ContactLaw::Porous { .. }) => {
+                fields.extend([SolidField::VolumetricStrain, SolidField::PoreClosure]);
+            }
+            None => {}
+        }
+        fields
+    }
+
+    /// Returns the fields of a state with these media: those of the media, then the history variables of all media.
+    pub fn state_fields(media: &[Self]) -> Vec<SolidField> {
+        let mut fields = media.first().map_or(Vec::new(), |medium| medium.fields.clone());
+        for field in media.iter().flat_map(Self::history_fields) {
+            if !fields.contains(&field) {
+                fields.push(field);
+            }
+        }
+        fields
+    }
+
+    /// Whether the medium can flow plastically: by a yield set, or by the yield stress of particles in contact.
+    pub fn is_plastic(&self) -> bool {
+        let has_plastic_particles = match &self.contact {
+            Some(ContactLaw::Granular { law, .. }) => law.yield_stress < NO_LIMIT,
+            _ => false,
+        };
+        self.yield_set.is_some() || has_plastic_particles
     }
 
     /// Returns the solid with a yield set, which must be admissible for the law.
@@ -68,9 +112,12 @@ impl Medium {
         self.pairs.iter().flatten().map(VelocityStressPair::speed).fold(0.0, f64::max)
     }
 
-    /// Computes the energy stored by a stress without viscous strain, J/m³.
+    /// Computes the energy stored by a stress without viscous strain and without collapsed pores, J/m³.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
-        self.law.stored_energy(stress)
+        match &self.contact {
+            Some(ContactLaw::Porous { skeleton, .. }) => skeleton.stored_energy(stress),
+            _ => self.law.stored_energy(stress),
+        }
     }
 
     /// Returns the inertia of a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for all other fields.
@@ -110,7 +157,7 @@ impl Medium {
                     }
                 }
                 SolidField::Couple(k, j) => stress.couple[k][j] = value,
-                SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
+                _ => {}
             }
         }
         let stress = self.project(&stress).stress;
@@ -125,7 +172,7 @@ pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64
     match field {
         SolidField::Stress(i, j) => Some(stress.force[i][j]),
         SolidField::Couple(k, j) => Some(stress.couple[k][j]),
-        SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => None,
+        _ => None,
     }
 }
 
@@ -144,17 +191,32 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
                     }
                 }
                 SolidField::Couple(k, j) => stress.couple[k][j] = 1.0,
-                SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
+                _ => {}
             }
         }
         medium.stored_energy(&stress)
     };
     let mut terms = Vec::new();
     for (one, &field) in fields.iter().enumerate() {
-        if let SolidField::ViscousStrain(i, j) = field {
-            let modulus = medium.relaxation.map_or(0.0, |solid| solid.viscous_strain_modulus());
-            // One field represents both off-diagonal components.
-            terms.push((one, one, if i == j { modulus } else { 2.0 * modulus }));
+        match field {
+            SolidField::ViscousStrain(i, j) => {
+                let modulus = medium.relaxation.map_or(0.0, |solid| solid.viscous_strain_modulus());
+                // One field represents both off-diagonal components.
+                terms.push((one, one, if i == j { modulus } else { 2.0 * modulus }));
+            }
+            SolidField::PoreClosure => {
+                // The skeleton has the stress σ − k_bκδ: ½(σ − k_bκδ):a:(σ − k_bκδ) + ½k_bκ² with a:δ = δ/(3k_a).
+                let Some(ContactLaw::Porous { law, .. }) = &medium.contact else { continue };
+                let ratio = law.contact_modulus / law.skeleton_modulus;
+                terms.push((one, one, 0.5 * law.contact_modulus * (1.0 + ratio)));
+                let is_normal =
+                    |own: &SolidField| matches!(own, SolidField::Stress(i, j) if i == j);
+                let normal = fields.iter().enumerate().filter(|own| is_normal(own.1));
+                terms.extend(normal.map(|(other, _)| (one, other, -ratio / 3.0)));
+            }
+            _ => {}
+        }
+        if field.is_history() {
             continue;
         }
         let inertia = medium.inertia(field);

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`problem`] | problem definition: grid, media, boundary conditions, sources, scheme |
 //! | [`medium`] | a solid as wave pairs along the axes, rotation, relaxation and yield set |
+//! | [`contact_law`], `contact_faces` | contact of particles and of walls of pores: law of a cell, faces |
 //! | [`boundary`] | boundary conditions, loads and sources |
 //! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | sweep: cell constants, Riemann solver, limiter, update |
 //! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with history along a line |
@@ -21,6 +22,8 @@ pub(crate) mod axis_permutation;
 pub mod boundary;
 mod cell;
 mod cell_laws;
+mod contact_faces;
+pub mod contact_law;
 #[cfg(test)]
 mod contraction;
 pub mod domain;

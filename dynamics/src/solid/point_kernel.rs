@@ -174,7 +174,10 @@ fn is_odd(field: SolidField, axis: usize) -> bool {
     match field {
         SolidField::Velocity(i) => i == axis,
         SolidField::Spin(k) => k != axis,
-        SolidField::Stress(i, j) | SolidField::ViscousStrain(i, j) => (i == axis) != (j == axis),
+        SolidField::Stress(i, j)
+        | SolidField::ViscousStrain(i, j)
+        | SolidField::ExcessStress(i, j) => (i == axis) != (j == axis),
+        SolidField::VolumetricStrain | SolidField::PoreClosure => false,
         SolidField::Couple(k, j) => (k != axis) != (j == axis),
     }
 }

@@ -192,13 +192,7 @@ impl<const D: usize> Problem<D> {
 
     /// Returns the fields of the state: those of the media, then the history variables of all media.
     pub fn fields(&self) -> Vec<SolidField> {
-        let mut fields = self.media.first().map_or(Vec::new(), |medium| medium.fields.clone());
-        for field in self.media.iter().flat_map(Medium::history_fields) {
-            if !fields.contains(&field) {
-                fields.push(field);
-            }
-        }
-        fields
+        Medium::state_fields(&self.media)
     }
 
     /// Checks that all parts of the problem are consistent, and the stability limit of the time step.
@@ -226,6 +220,7 @@ impl<const D: usize> Problem<D> {
             return Err(DomainError::UnknownMedium { cell, medium, count });
         }
         self.check_metric()?;
+        self.check_contacts()?;
         self.check_shear_interval()?;
         let steps = ShearSteps::new(self);
         for (axis, boundaries_of_axis) in self.boundaries.iter().enumerate() {
@@ -291,6 +286,35 @@ impl<const D: usize> Problem<D> {
         Ok(())
     }
 
+    /// Checks that a problem with contacts has nothing that the laws of contacts exclude.
+    fn check_contacts(&self) -> Result<(), DomainError> {
+        if !self.has_contacts() {
+            return Ok(());
+        }
+        let refuse = |reason| Err(DomainError::Contacts(reason));
+        if self.scheme.is_alternating() || self.shear_interval > 1 {
+            return refuse("sweeps must not alternate, and all waves must have the same step");
+        }
+        if self.scheme.plastic_step == PlasticStep::MidpointReflection {
+            return refuse("the return mapping must be at the end of the step");
+        }
+        if self.scheme.slopes == Slopes::FourthOrder {
+            return refuse("the reconstruction must be limited or of first order");
+        }
+        if self.initial_stress.is_some() || !self.interlayers.is_empty() {
+            return refuse("there must be no initial stress and no interlayers");
+        }
+        if self.metric.is_some() {
+            return refuse("the block must be rectangular, with cells of one size");
+        }
+        let is_velocity = |field: &SolidField| matches!(field, SolidField::Velocity(_));
+        let mut amplitudes = self.sources.iter().flat_map(|source| &source.amplitudes);
+        if !amplitudes.all(|(field, _)| is_velocity(field)) {
+            return refuse("sources must be forces");
+        }
+        Ok(())
+    }
+
     /// Checks that shear waves may have steps of their own, if they have.
     fn check_shear_interval(&self) -> Result<(), DomainError> {
         let refuse = |reason| Err(DomainError::ShearInterval(reason));
@@ -345,6 +369,11 @@ impl<const D: usize> Problem<D> {
     /// Whether the problem has several media or interlayers.
     pub(crate) fn has_interfaces(&self) -> bool {
         self.media.len() > 1 || !self.interlayers.is_empty()
+    }
+
+    /// Whether any medium has contacts of particles or of walls of pores.
+    pub(crate) fn has_contacts(&self) -> bool {
+        self.media.iter().any(|medium| medium.contact.is_some())
     }
 
     /// Whether there are saturated interlayers.
@@ -486,6 +515,9 @@ pub enum DomainError {
         /// Reason why they are invalid.
         reason: &'static str,
     },
+    /// Media with contacts in a problem that excludes them, with the reason.
+    #[error("media with contacts: {0}")]
+    Contacts(&'static str),
     /// An invalid metric, with the reason.
     #[error("metric: {0}")]
     Metric(&'static str),

@@ -138,6 +138,14 @@ fn random_boundary<const D: usize>(
 
 fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     let media = random_media::<D>(random);
+    random_problem_with_media(random, media)
+}
+
+/// Returns a random problem with given media.
+pub fn random_problem_with_media<const D: usize>(
+    random: &mut NoiseSequence,
+    media: Vec<Medium>,
+) -> Problem<D> {
     // Numbers of cells next to the limits of SIMD groups and of tiles of rows and layers.
     let lengths: &[&[usize]] = match D {
         2 => &[
@@ -303,13 +311,30 @@ fn to_bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
 /// Compares the fused solver with the reference solver for random problems from the index `first` on.
 /// `small_magnitude`: magnitude of initial values not far above the threshold below which values are flushed to zero.
 fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small_magnitude: f64) {
+    let count = if D == 2 { 100 } else { 40 };
+    let [yielding, decomposed, relaxing, layered] =
+        compare_problems::<T, D>((first, count), small_magnitude, random_problem);
+    // At least a quarter of the problems yield, a quarter are decomposed along an axis other than the last, a tenth
+    // relax, and a tenth have interlayers.
+    let kinds = [4 * yielding, 4 * decomposed, 10 * relaxing, 10 * layered];
+    assert!(kinds.iter().all(|own| *own > count), "{kinds:?}");
+}
+
+/// Compares the fused solver with the reference solver for `count` random problems from the index `first` on, or for
+/// as many as the environment variable `CONFIGURATIONS` says. Returns the numbers of problems that yield, that are
+/// decomposed along an axis other than the last, that relax, and that have interlayers.
+pub fn compare_problems<T: SolverReal, const D: usize>(
+    (first, count): (usize, usize),
+    small_magnitude: f64,
+    random_problem: impl Fn(&mut NoiseSequence) -> Problem<D>,
+) -> [usize; 4] {
     let requested = std::env::var("CONFIGURATIONS").ok();
     let requested = requested.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
     let (mut yielding, mut decomposed_count, mut relaxing, mut layered) = (0, 0, 0, 0);
-    let count = requested.unwrap_or(if D == 2 { 100 } else { 40 });
+    let count = requested.unwrap_or(count);
     for number in first..first + count {
         let mut random = NoiseSequence::new((number as u64) << 32);
-        let problem = random_problem::<D>(&mut random);
+        let problem = random_problem(&mut random);
         let steps = [random.uniform_index(4), random.choose(&[1, 1, 2, 7, 20, 20])];
         let start = InitialValues {
             seed: random.seed() + (3 << 30),
@@ -368,14 +393,12 @@ fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small_magnitude:
         relaxing += usize::from(reference.ledger().viscous_dissipation > 0.0);
         layered += usize::from(!expected.interlayer_history.is_empty());
     }
-    // At least a quarter of the problems yield, a quarter are decomposed along an axis other than the last, a tenth
-    // relax, and a tenth have interlayers.
-    let kinds = [4 * yielding, 4 * decomposed_count, 10 * relaxing, 10 * layered];
-    assert!(count < 40 || kinds.iter().all(|own| *own > count), "{kinds:?}");
+    [yielding, decomposed_count, relaxing, layered]
 }
 
 /// Initial magnitudes of 18 times the flush threshold 2⁴⁰·MIN_POSITIVE, in double and single precision.
-const FLUSHED_MAGNITUDES: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
+pub const FLUSHED_MAGNITUDES: [f64; 2] =
+    [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
 
 #[test]
 fn fused_solver_equals_the_reference_in_the_plane() {

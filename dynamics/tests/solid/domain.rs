@@ -202,6 +202,7 @@ fn half_of_a_symmetric_domain_equals_the_whole() {
                         count_normal_indices(&[i, j]) == 1
                     }
                     SolidField::Couple(k, j) => count_normal_indices(&[k, j]) == 0,
+                    _ => unreachable!("no field of these media"),
                 };
                 let sign = if is_odd == is_even { -1.0 } else { 1.0 };
                 let mut values = [vec![0.0; 48], vec![0.0; 96]];

@@ -7,6 +7,8 @@ mod blocks;
 mod blocky_ledger;
 mod blocky_media;
 mod configurations;
+mod contact_waves;
+mod contacts;
 mod decomposition;
 mod domain;
 mod energy;

@@ -121,8 +121,8 @@ fn plane_wave_errors<const D: usize>(
     let kind = |field: &SolidField| match field {
         SolidField::Velocity(_) => 0,
         SolidField::Spin(_) => 1,
-        SolidField::Stress(..) | SolidField::ViscousStrain(..) => 2,
         SolidField::Couple(..) => 3,
+        _ => 2,
     };
     // Errors are evaluated at several times, since at a single one errors of different kinds may cancel.
     let mut max_errors = vec![0.0f64; fields.len()];

@@ -157,7 +157,7 @@ impl<const D: usize> DampedPlaneWave<D> {
                 };
                 symmetric + m.map_or(Complex::ZERO, |m| turned / rate * m.alpha)
             }
-            SolidField::Spin(_) | SolidField::Couple(..) => Complex::ZERO,
+            _ => Complex::ZERO,
         }
     }
 

@@ -34,6 +34,11 @@ fn field_in_frame(field: SolidField, frame: Frame) -> SolidField {
             let [i, j] = [frame[i], frame[j]];
             SolidField::ViscousStrain(i.min(j), i.max(j))
         }
+        SolidField::ExcessStress(i, j) => {
+            let [i, j] = [frame[i], frame[j]];
+            SolidField::ExcessStress(i.min(j), i.max(j))
+        }
+        SolidField::VolumetricStrain | SolidField::PoreClosure => field,
     }
 }
 

@@ -8,7 +8,9 @@
 //! In extension the cone transmits no stress if æ ≤ r = √(3c²/2). The medium is then open: its tangent modulus and its
 //! speed of sound are zero.
 
+mod contact_law;
 mod parameters;
 mod uniaxial;
 
+pub use contact_law::{GranularContact, GranularStep};
 pub use parameters::{GranularMedium, GranularParameters};

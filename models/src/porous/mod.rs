@@ -10,6 +10,8 @@
 //! acts earlier.
 
 mod parameters;
+mod pore_law;
 mod uniaxial;
 
 pub use parameters::{PoreContact, PorousMedium, PorousParameters};
+pub use pore_law::{PoreLaw, PoreState, PoreStep};

@@ -220,6 +220,59 @@ impl<N: Number, const SHEAR_COUNT: usize> SymmetricTensor<N, SHEAR_COUNT> {
         ];
         self
     }
+
+    /// Mean ⅓ tr of the normal components.
+    #[inline(always)]
+    pub fn mean(&self) -> N {
+        let [a, b, c] = self.normal;
+        N::THIRD * (a + b + c)
+    }
+
+    /// Sum of two tensors.
+    #[inline(always)]
+    #[must_use]
+    pub fn plus(mut self, other: Self) -> Self {
+        for i in 0..3 {
+            self.normal[i] = self.normal[i] + other.normal[i];
+        }
+        for i in 0..SHEAR_COUNT {
+            self.shear[i] = self.shear[i] + other.shear[i];
+        }
+        self
+    }
+
+    /// Tensor multiplied by a factor.
+    #[inline(always)]
+    #[must_use]
+    pub fn scale(mut self, factor: N) -> Self {
+        for i in 0..3 {
+            self.normal[i] = self.normal[i] * factor;
+        }
+        for i in 0..SHEAR_COUNT {
+            self.shear[i] = self.shear[i] * factor;
+        }
+        self
+    }
+
+    /// Double contraction A:B; a shear component counts twice, as ij and ji.
+    #[inline(always)]
+    pub fn contract(&self, other: Self) -> N {
+        let mut sum = N::ZERO;
+        for i in 0..SHEAR_COUNT {
+            sum = sum + self.shear[i] * other.shear[i];
+        }
+        sum = sum + sum;
+        for i in 0..3 {
+            sum = sum + self.normal[i] * other.normal[i];
+        }
+        sum
+    }
+
+    /// Squared norm A:A.
+    #[inline(always)]
+    pub fn squared_norm(&self) -> N {
+        self.contract(*self)
+    }
 }
 
 /// Coefficients of the relaxation over a fixed time t at constant strain; symbols as in the [module](self).

@@ -30,11 +30,27 @@ pub enum SolidField {
     Couple(usize, usize),
     /// Viscous strain aᵢⱼ = aⱼᵢ, i ≤ j: history variable of a [viscoelastic solid](crate::rheology::relaxation).
     ViscousStrain(usize, usize),
+    /// Excess sᵢⱼ − σᵢⱼ of the conditional stress, i ≤ j, Pa: history variable of a
+    /// [granular medium](crate::granular_medium).
+    ExcessStress(usize, usize),
+    /// Volumetric strain tr ε: history variable of a [porous medium](crate::porous).
+    VolumetricStrain,
+    /// Closure κ = min(θ₀ + tr ε, 0) of the pores of a [porous medium](crate::porous): history variable.
+    PoreClosure,
 }
-use SolidField::{Couple, Spin, Stress, Velocity, ViscousStrain};
+use SolidField::{
+    Couple, ExcessStress, PoreClosure, Spin, Stress, Velocity, ViscousStrain, VolumetricStrain,
+};
+
+impl SolidField {
+    /// Whether the component is a history variable of a local law, which the sweeps do not read.
+    pub const fn is_history(self) -> bool {
+        matches!(self, ViscousStrain(..) | ExcessStress(..) | VolumetricStrain | PoreClosure)
+    }
+}
 
 /// Writes the name of the component, as among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`,
-/// `σ12`, `m31`; for viscous strains `a12`.
+/// `σ12`, `m31`; for history variables `a12`, `x12`, `θ` and `κ`.
 impl fmt::Display for SolidField {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -43,6 +59,9 @@ impl fmt::Display for SolidField {
             Stress(i, j) => write!(formatter, "σ{}{}", i + 1, j + 1),
             Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
             ViscousStrain(i, j) => write!(formatter, "a{}{}", i + 1, j + 1),
+            ExcessStress(i, j) => write!(formatter, "x{}{}", i + 1, j + 1),
+            VolumetricStrain => formatter.write_str("θ"),
+            PoreClosure => formatter.write_str("κ"),
         }
     }
 }

@@ -13,3 +13,4 @@ pub use cone::{FrictionCone, StrainIntensity};
 pub use diagram::{
     ContactState, DiagramCorner, DiagramSegment, SegmentState, SkeletonState, UniaxialDiagram,
 };
+pub use skeleton::NO_LIMIT;

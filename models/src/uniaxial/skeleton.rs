@@ -3,6 +3,10 @@
 use crate::common::input::{InputError, ensure};
 use crate::common::range::AllowedRange::Positive;
 
+/// Number that stands for the absence of a limit of a stress, Pa, or of a strain: finite in single precision, and beyond
+/// every stress.
+pub const NO_LIMIT: f64 = 1e30;
+
 /// Constants of the particles of a granular medium, or of the skeleton of a porous medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SkeletonConstants {

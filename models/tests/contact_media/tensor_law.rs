@@ -8,25 +8,25 @@ use wellposed_models::granular_medium::{GranularMedium, GranularParameters};
 use wellposed_models::porous::{PoreContact, PorousMedium, PorousParameters};
 use wellposed_models::uniaxial::{SkeletonState, UniaxialDiagram};
 
-type Principal = [f64; 3];
+pub(super) type Principal = [f64; 3];
 
 /// Isotropic elasticity and the limits of a projection. Moduli and stresses are in units of the bulk modulus and of a
 /// stress of the path, so that the conic program is of order one.
 #[derive(Clone, Copy)]
-struct ProjectionLaw {
-    bulk_modulus: f64,
-    shear_modulus: f64,
-    intensity_coefficient: f64,
-    friction: Option<f64>,
-    yield_stress: Option<f64>,
+pub(super) struct ProjectionLaw {
+    pub(super) bulk_modulus: f64,
+    pub(super) shear_modulus: f64,
+    pub(super) intensity_coefficient: f64,
+    pub(super) friction: Option<f64>,
+    pub(super) yield_stress: Option<f64>,
 }
 
 /// Projection of a stress, and the plastic strain that belongs to the yield limit.
-struct Projected {
-    stress: Principal,
+pub(super) struct Projected {
+    pub(super) stress: Principal,
     plastic_strain: Principal,
     /// Bound of the error of the stress: the objective is strongly convex, so that |σ − σ*|² ≤ 2 gap × stiffness.
-    error_bound: f64,
+    pub(super) error_bound: f64,
 }
 
 impl ProjectionLaw {
@@ -44,7 +44,7 @@ impl ProjectionLaw {
     }
 
     /// Minimises ½(σ − σ̄):a:(σ − σ̄) over the stresses in the cone and within the yield limit.
-    fn project(&self, trial: Principal) -> Projected {
+    pub(super) fn project(&self, trial: Principal) -> Projected {
         if self.friction.is_none() && self.yield_stress.is_none() {
             let (plastic_strain, error_bound) = ([0.0; 3], 0.0);
             return Projected { stress: trial, plastic_strain, error_bound };
@@ -97,7 +97,7 @@ impl ProjectionLaw {
 
 /// Compression strains from `from` to `to` in equal steps, without the first, and the corners of a diagram between them:
 /// a step across the strain at which yielding ends would flow as its end prescribes, an error of first order.
-fn ramp(from: f64, to: f64, diagram: &UniaxialDiagram) -> Vec<f64> {
+pub(super) fn ramp(from: f64, to: f64, diagram: &UniaxialDiagram) -> Vec<f64> {
     const STEPS: usize = 24;
     let equal = (1..=STEPS).map(|step| from + (to - from) * step as f64 / STEPS as f64);
     let corners = diagram.corners().iter().map(|own| own.strain);
@@ -111,9 +111,9 @@ fn ramp(from: f64, to: f64, diagram: &UniaxialDiagram) -> Vec<f64> {
 }
 
 /// Pressures on the front along a path, and the bound of their errors: those of all steps add.
-struct PathPressures {
-    pressures: Vec<f64>,
-    error_bound: f64,
+pub(super) struct PathPressures {
+    pub(super) pressures: Vec<f64>,
+    pub(super) error_bound: f64,
 }
 
 /// Integrates a spring with limits along compression strains.
@@ -137,7 +137,7 @@ fn integrate(law: ProjectionLaw, offset: f64, strains: &[f64]) -> PathPressures 
 
 /// Compares loading to `peak`, unloading to `end`, and loading from the natural state to `end` with the diagrams; returns
 /// the largest error and its bound.
-fn compare_paths(
+pub(super) fn compare_paths(
     integrate: impl Fn(&[f64]) -> PathPressures,
     loading: &UniaxialDiagram,
     unloading: &UniaxialDiagram,

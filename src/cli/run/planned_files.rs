@@ -27,8 +27,8 @@ pub(super) fn list_planned_file_names(case: &Case) -> Result<Vec<String>, Error>
     let shows_dissipation = case.solid_run.as_ref().is_some_and(|own| {
         let materials = own.materials();
         let yields = match materials.is_empty() {
-            true => case.material.yield_set.is_some(),
-            false => materials.iter().any(|material| material.yield_set.is_some()),
+            true => case.material.is_plastic(),
+            false => materials.iter().any(|material| material.is_plastic()),
         };
         yields && own.output.plotted_quantity != PlottedQuantity::Dissipation
     });

@@ -232,6 +232,10 @@ pub(in crate::report) fn axis_label(name: &str) -> String {
         "opening" => return "opening of joints, m".to_owned(),
         "pressure" => return "pressure of fluid p, Pa".to_owned(),
         "shear_rate" => ("shear rate", "Q_D"),
+        "excess_stress" => ("excess of the conditional stress", "s − σ"),
+        "volumetric_strain" => return "volumetric strain tr ε".to_owned(),
+        "pore_closure" => return "closure of pores min(θ₀ + tr ε, 0)".to_owned(),
+        "porosity" => return "porosity θ".to_owned(),
         _ => return "plastic dissipation, J/m³".to_owned(),
     };
     format!("{quantity} {symbol}{index}, {}", quantity_unit(name))

@@ -254,6 +254,7 @@ impl<'a> PlaneSection<'a> {
             is_signed: !matches!(
                 picture,
                 PlottedQuantity::Speed
+                    | PlottedQuantity::Porosity
                     | PlottedQuantity::Dissipation
                     | PlottedQuantity::Face(FaceQuantity::Slip | FaceQuantity::Opening)
             ),

@@ -29,7 +29,7 @@ impl GridConverter<'_> {
                     }
                 }
                 SolidField::Couple(k, j) => uniform.couple[k][j] = *value,
-                SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
+                _ => {}
             }
         }
         let grid = &self.solid_run.grid;

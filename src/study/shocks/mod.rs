@@ -53,7 +53,7 @@ pub fn compute_shocks(case: &Case) -> Result<ShocksResult, Error> {
     let notes = describe_hyperbolicity(&diagram, &medium);
     let is_strictly_hyperbolic = diagram.segments().iter().all(|segment| segment.slope > 0.0);
     Ok(ShocksResult {
-        medium: options.medium.section(),
+        medium: case.require_contacts()?.section(),
         density,
         diagram: rows,
         is_strictly_hyperbolic,

@@ -22,12 +22,15 @@ use crate::setup::solid_run::{
     SolidSetup, cell_centre, compute_time_steps, create_media, create_probe, find_containing_cell,
 };
 use dynamics::SolverReal;
+use dynamics::contact_law::ContactLaw;
 use dynamics::domain::memory_bytes;
 use dynamics::medium::Medium;
+use dynamics::problem::Problem;
 use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
     TimeSteps,
 };
+use models::solid::waves::SolidField;
 
 /// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
@@ -86,7 +89,8 @@ pub(super) struct SolidJob<'a> {
 impl<'a> SolidJob<'a> {
     pub(super) fn new(case: &'a Case, solid_run: &'a SolidRun) -> Result<Self, Error> {
         let media = create_media(case, solid_run)?;
-        let fields = media[0].fields.iter().map(|field| StateComponent(*field).to_string());
+        let state_fields = Medium::state_fields(&media);
+        let fields = state_fields.iter().map(|field| StateComponent(*field).to_string());
         let integrals =
             solid_run.output.integrated_components.iter().filter_map(|own| own.integral_name());
         let names = fields.chain(integrals).collect();
@@ -101,7 +105,7 @@ impl<'a> SolidJob<'a> {
     fn estimate_memory(&self, keeps_snapshots: bool) -> Bytes {
         let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
         let wide = size_of::<f64>() as f64;
-        let saved = (self.media[0].fields.len() * self.number_size()) as f64;
+        let saved = (Medium::state_fields(&self.media).len() * self.number_size()) as f64;
         let shown = wide * self.quantity_names.len() as f64;
         let checkpoint = 2.0 * saved + 2.0 * wide * output.integrated_components.len() as f64;
         let dissipation = if self.yields() { DISSIPATION_NUMBERS * wide } else { 0.0 };
@@ -136,7 +140,7 @@ impl<'a> SolidJob<'a> {
     /// Estimates the memory of the solver, bytes: of the fields, and of values by line and at boundaries.
     fn estimate_solver_memory(&self) -> [f64; 2] {
         let SolidRun { grid, scheme, .. } = self.solid_run;
-        let fields = self.media[0].fields.len();
+        let fields = Medium::state_fields(&self.media).len();
         let number = self.number_size() as f64;
         let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0) as f64;
         let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
@@ -169,7 +173,7 @@ impl<'a> SolidJob<'a> {
     }
 
     fn yields(&self) -> bool {
-        self.media.iter().any(|medium| medium.yield_set.is_some())
+        self.media.iter().any(|medium| medium.is_plastic())
     }
 
     /// Returns the numbers of cells in the axis order of the solver, as
@@ -224,7 +228,7 @@ impl SolidJob<'_> {
     fn estimate_cost(&self, steps: f64) -> Cost {
         let SolidRun { grid, output, time, scheme, receivers, .. } = self.solid_run;
         let count = grid.cell_count() as f64;
-        let fields = self.media[0].fields.len() as f64;
+        let fields = Medium::state_fields(&self.media).len() as f64;
         let lines = match output.ledger_interval {
             0.0 => steps.min(DEFAULT_LEDGER_ROWS as f64),
             seconds => steps.min(time.duration / seconds),
@@ -258,7 +262,7 @@ impl SimulationJob for SolidJob<'_> {
         let cells = solid_run.grid.cells.clone();
         let work = ProblemSize::Solid {
             cell_counts: cells,
-            field_count: media[0].fields.len(),
+            field_count: Medium::state_fields(media).len(),
             step_count: count,
             time_step: step,
             step_limit: limit,
@@ -503,11 +507,14 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
             self.solid_run.materials().len() > usize::from(self.solid_run.blocks.is_some());
         let joint = |(face, record)| JointFace::new(grid, &face, record);
         let named = self.quantity_names.iter().zip(fields.values);
+        let mut quantities: Vec<FieldQuantity> =
+            named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect();
+        quantities.extend(porosity(simulation.problem(), &quantities));
         OutputFields {
             time,
             coordinates: (0..grid.dimensions()).map(middles).collect(),
             deformation_gradient: None,
-            quantities: named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect(),
+            quantities,
             plastic_dissipation: fields.plastic_dissipation,
             region_indices: match has_regions {
                 true => simulation.problem().cell_media.clone(),
@@ -538,4 +545,25 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         };
         StopReport { cause, detection_time: fault.time, last_valid_time: saved }
     }
+}
+
+/// Computes the porosity θ₀ + tr ε − κ from the volumetric strain and the closure κ of the pores; 0 in media without
+/// pores. `None` if no medium has pores.
+fn porosity<const D: usize>(
+    problem: &Problem<D>,
+    quantities: &[FieldQuantity],
+) -> Option<FieldQuantity> {
+    let values = |field: SolidField| {
+        let name = StateComponent(field).to_string();
+        Some(&quantities.iter().find(|own| own.name == name)?.values)
+    };
+    let strains = values(SolidField::VolumetricStrain)?;
+    let closures = values(SolidField::PoreClosure)?;
+    let porosity = |(cell, medium): (usize, &u16)| match problem.media[usize::from(*medium)].contact
+    {
+        Some(ContactLaw::Porous { law, .. }) => law.porosity + strains[cell] - closures[cell],
+        _ => 0.0,
+    };
+    let values = problem.cell_media.iter().enumerate().map(porosity).collect();
+    Some(FieldQuantity::new("porosity".to_owned(), values))
 }

@@ -2,6 +2,7 @@
 
 use super::boundaries::Boundaries;
 use super::buffers::{Buffers, allocate_zeros};
+use super::contacts::LaneContacts;
 use super::curvilinear::{CurvatureRotations, RowConstants};
 use super::diagnostics::Diagnostics;
 use super::fluid::FluidStage;
@@ -137,6 +138,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (problem.step, reflects),
             (initial_stress, whole),
         );
+        law.contacts = LaneContacts::new(problem, &patterns, layout.pitch);
         law.curvature_rotations =
             CurvatureRotations::new(problem, &patterns, layout.pitch, &layers);
         let source = |own| CellSource::new(own, fields, &layout, 2 * max_pass_steps);

@@ -9,6 +9,7 @@
 //! `StencilState` holds the cells that a reconstruction reads (the stencil). Groups that are needed soon are prefetched
 //! into L1; rows and layers that are needed later are prefetched into L2. `sweep` and `schedule` set the distances.
 
+pub(crate) mod contacts;
 mod interlayer_law;
 pub(crate) mod interlayers;
 
@@ -19,6 +20,7 @@ use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, InterlayerStencil, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
+use contacts::PathContacts;
 use interlayers::{InterlayerFaceStates, PathInterlayers};
 use std::ops::Range;
 
@@ -130,6 +132,8 @@ pub(crate) struct SweepLines<'a, T: Real> {
     pub(crate) rows: Option<Rows<'a, T>>,
     /// Interlayers across the axis.
     pub(crate) interlayers: Option<PathInterlayers<'a, T>>,
+    /// Contacts at the faces.
+    pub(crate) contacts: Option<PathContacts<'a, T>>,
 }
 
 /// Lines of the same single lane pattern.
@@ -170,6 +174,9 @@ impl<T: Real> SweepLines<'_, T> {
     pub(super) fn sweep_path(mut self, instructions: InstructionSet) {
         if self.interlayers.is_some() {
             return self.sweep_path_with_interlayers(instructions);
+        }
+        if self.contacts.is_some() {
+            return self.sweep_path_with_contacts(instructions);
         }
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.

@@ -8,6 +8,7 @@
 //! [`crate::solid::reference`], with which tests compare the results. Layout, halo, snapshot and output of its fields
 //! need no change. If the yield set depends on the history, the return mapping must be changed as well.
 
+use super::contacts::LaneContacts;
 use super::curvilinear::CurvatureRotations;
 use super::materials::Materials;
 use super::plastic::YieldSets;
@@ -30,6 +31,8 @@ pub(super) struct LaneLaws<T: Real> {
     pub(super) rotated_offsets: Vec<[usize; 3]>,
     /// Relaxation of stresses; `None` if no medium relaxes.
     pub(super) relaxations: Option<LaneRelaxations<T>>,
+    /// Laws of contacts; `None` if no medium has any.
+    pub(super) contacts: Option<LaneContacts<T>>,
     /// By pattern, whether any lane has a yield set.
     pub(super) has_yield_set: Vec<bool>,
     /// Yield sets in lanes if all are of one kind (see [`YieldSets`]), for the return mapping without initial stress;
@@ -49,11 +52,12 @@ pub(super) struct LaneLaws<T: Real> {
 }
 
 /// Whether the second sweep of a step along the last axis depends on all fields of a cell, not only on those that it
-/// reads and those that rotate with them: relaxation and the reflection in the middle of the step couple all fields.
+/// reads and those that rotate with them: relaxation, contacts and the reflection in the middle of the step couple all
+/// fields.
 pub(super) fn has_coupled_fields<const D: usize>(problem: &Problem<D>) -> bool {
     let Problem { media, scheme, .. } = problem;
     let is_plastic = media.iter().any(|medium| medium.yield_set.is_some());
-    media.iter().any(|medium| medium.relaxation.is_some())
+    media.iter().any(|medium| medium.relaxation.is_some() || medium.contact.is_some())
         || (is_plastic && scheme.plastic_step == PlasticStep::MidpointReflection)
 }
 
@@ -66,7 +70,7 @@ pub(super) fn rotated_field_offsets(fields: &[SolidField], pitch: usize) -> Vec<
 }
 
 impl<T: Real> LaneLaws<T> {
-    /// Creates the laws of materials by lane pattern, in rows of `groups` groups, for a time step `step`, s.
+    /// Creates the laws of materials by lane pattern, without those of contacts, in rows of `groups` groups, for a time step `step`, s.
     /// `reflects`: whether the return mapping is the reflection 2P − I; `initial_stress`: the initial stress of this
     /// subdomain; `whole_initial_stress`: that of all subdomains.
     pub(super) fn new<const D: usize>(
@@ -111,6 +115,7 @@ impl<T: Real> LaneLaws<T> {
             uses_scalar_mapping: false,
             spin_rotations: rotations.collect(),
             rotated_offsets: rotated_field_offsets(fields, pitch),
+            contacts: None,
             relaxations: LaneRelaxations::new(media, patterns, fields, pitch, step),
             has_yield_set: patterns
                 .iter()

@@ -183,21 +183,11 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
             ghost_coefficients: Vec::new(),
         };
         for pattern in patterns {
-            table.cell_constants.extend(self.cell_constants.iter().map(|cells| {
-                let lanes_of = |value: fn(&CellConstants<T>) -> T| {
-                    T::Lanes::from_lanes(|lane| value(&cells[usize::from(pattern[lane])]))
-                };
-                CellConstants {
-                    impedance: lanes_of(|cell| cell.impedance),
-                    half_courant: lanes_of(|cell| cell.half_courant),
-                    velocity_factor: lanes_of(|cell| cell.velocity_factor),
-                    mean_slope_weight: lanes_of(|cell| cell.mean_slope_weight),
-                    upwind_bound: lanes_of(|cell| cell.upwind_bound),
-                    upwind_weight: lanes_of(|cell| cell.upwind_weight),
-                    central_weight: lanes_of(|cell| cell.central_weight),
-                    downwind_weight: lanes_of(|cell| cell.downwind_weight),
-                }
-            }));
+            table.cell_constants.extend(
+                self.cell_constants.iter().map(|cells| {
+                    CellConstants::from_lanes(|lane| cells[usize::from(pattern[lane])])
+                }),
+            );
             let lanes = |ratio: &Vec<f64>| {
                 T::Lanes::from_lanes(|lane| T::from_f64(ratio[usize::from(pattern[lane])]))
             };

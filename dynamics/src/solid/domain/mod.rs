@@ -50,6 +50,7 @@ mod build;
 mod cell_mapping;
 mod cell_operators;
 mod completion;
+mod contacts;
 mod curvilinear;
 mod diagnostics;
 mod fluid;

@@ -138,6 +138,34 @@ impl<T: Real> Rows<'_, T> {
         }
     }
 
+    /// Fills the ghosts of a history variable at offset `place`: with the value of the end, or copied where there is
+    /// none.
+    #[inline(always)]
+    pub(crate) fn fill_history_ghosts<V: Vector<T>>(
+        &self,
+        field_data: &mut [T::Lanes],
+        place: usize,
+        values: [Option<T>; 2],
+        rows: Range<usize>,
+    ) {
+        let &RowEnds { groups, outer_cells: [first, last], .. } = self.ends;
+        for row in rows {
+            let field = &field_data[self.first_data + row * self.size + place..][..groups];
+            let mut ghosts = [[V::ZERO; GHOSTS]; 2];
+            for (ghosts, (value, sources)) in
+                ghosts.iter_mut().zip(values.into_iter().zip([last, first]))
+            {
+                for depth in 0..GHOSTS {
+                    ghosts[depth] = match value {
+                        Some(value) => V::splat(value),
+                        None => broadcast_value(field, sources[depth]),
+                    };
+                }
+            }
+            self.store_ghosts(field_data, place, row, ghosts);
+        }
+    }
+
     /// Fills the ghosts as [`Self::fill_ghosts`] does, for waves with one-sided reconstruction: many rows at a time,
     /// one per lane.
     #[inline(always)]

@@ -16,9 +16,10 @@ pub trait SolverReal: Real {
     #[doc(hidden)]
     fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>);
 
-    /// Applies the first x and y sweeps to rows of a layer of a `Domain<Self, 2>` or a `Domain<Self, 3>`.
+    /// Applies the first x and y sweeps to a layer of a `Domain<Self, 2>` or a `Domain<Self, 3>`: `rows` that enter the x
+    /// sweep, and rows that the y sweep completes.
     #[doc(hidden)]
-    fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>);
+    fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: [Range<usize>; 2]);
 
     /// Returns the sums of the energy in owned cells of a `Domain<Self, 2>` or a `Domain<Self, 3>`.
     #[doc(hidden)]
@@ -45,8 +46,9 @@ macro_rules! compiled {
             }
 
             #[inline(never)]
-            fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>) {
-                let rows = [rows, 0..0, 0..0];
+            fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: [Range<usize>; 2]) {
+                let [entered, middle] = rows;
+                let rows = [entered, middle, 0..0];
                 if let Some(domain) = domain.downcast_mut::<Domain<Self, 2>>() {
                     domain.sweep_layer(layer, &rows, 0);
                 } else if let Some(domain) = domain.downcast_mut::<Domain<Self, 3>>() {

@@ -19,7 +19,7 @@
 //! energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half
 //! step. With yield sets, the projection P onto the yield set in the energy norm is applied as return mapping either at
 //! the end, or as the reflection 2P − I, which is also non-expansive, in the middle between two halves of Q
-//! ([`PlasticStep`]).
+//! ([`PlasticStep`]). In media with contacts the law of the contact completes each sweep ([`super::contacts`]).
 //!
 //! With alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the step is
 //!
@@ -202,8 +202,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Applies K Q K, with relaxation, and with the reflection 2P − I if it is applied in the middle of the step.
+    /// Completes the sweep along the last axis in media with contacts, then applies K Q K, with relaxation, and with the reflection 2P − I if it is applied in the middle of the step.
     fn apply_cell_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
+        if self.lane_laws.contacts.is_some() {
+            for layer in layers.clone() {
+                self.apply_contact_laws_to_groups(self.layout.segment_groups(layer, tile));
+            }
+        }
         self.apply_sources(layers, tile, first);
         if self.scheme.plastic_step == PlasticStep::MidpointReflection
             && !self.diagnostics.dissipation.plastic_dissipation.is_empty()

@@ -32,7 +32,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         tile: &RowSegment,
         reflects: bool,
     ) {
-        if self.diagnostics.dissipation.plastic_dissipation.is_empty() {
+        if !self.lane_laws.has_yield_set.contains(&true) {
             return;
         }
         let is_plain = !reflects

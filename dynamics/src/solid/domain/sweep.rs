@@ -80,8 +80,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let (groups, first_row) = (self.layout.groups, layer * self.layout.rows);
         let is_second = half_step % 2 == 1;
         let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
-        if !is_second {
-            self.sweep_rows(of_layer(entered), half_step);
+        match is_second {
+            false => {
+                self.sweep_rows(of_layer(entered), half_step);
+                self.apply_contact_laws(layer, entered);
+            }
+            // Completes the sweep along the last axis.
+            true => self.apply_contact_laws(layer, middle),
         }
         if D == 3 {
             let bundle = LineBundle {
@@ -96,9 +101,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 carried: layer * groups,
             };
             self.continue_sweep(bundle, [entered, middle][half_step % 2].clone());
+            self.apply_contact_laws(layer, [middle, last][half_step % 2]);
         }
         if is_second && !self.scheme.is_alternating() {
             self.sweep_rows(of_layer(last), half_step);
+            self.apply_contact_laws(layer, last);
         }
     }
 
@@ -258,6 +265,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             carried: &mut carried[before..before + lines * waves.len()],
             rows: (axis == 0).then(|| self.bundle_rows(bundle)),
             interlayers,
+            contacts: self.path_contacts(axis, half_step),
         };
         lines.sweep_path(self.instructions);
         self.buffers.interlayer_states = states;
@@ -357,6 +365,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                         [source, ghost].map(|stop| stop.shift_to_line(line, bundle.line_stride));
                     self.materials.lane_pattern_indices[ghost.group] =
                         self.materials.lane_pattern_indices[source.group];
+                }
+            }
+        }
+        if let Some(contacts) = self.path_contacts(axis, half_step) {
+            for place in contacts.history_offsets() {
+                for [source, ghost] in places {
+                    for line in 0..lines {
+                        field_data[ghost.start + place + line] = match contacts.boundary_values[end]
+                        {
+                            Some(value) => T::Lanes::splat(value),
+                            None => field_data[source.start + place + line],
+                        };
+                    }
                 }
             }
         }

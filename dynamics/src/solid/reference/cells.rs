@@ -245,7 +245,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Operator P: applies the return mapping to all cells.
     pub(super) fn map_stresses(&mut self) {
-        if self.dissipation.plastic_dissipation.is_empty() {
+        if self.problem.media.iter().all(|medium| medium.yield_set.is_none()) {
             return;
         }
         let Some(mut lane_return_mapping) = self.cell_laws.lane_return_mapping.take() else {

@@ -8,6 +8,7 @@
 //! | `step` | sequence of operations of a step |
 //! | `sweep` | sweep along an axis, line by line, with ghosts, work at boundaries and the energy account |
 //! | `interlayers` | faces with interlayers: positions and history variables |
+//! | `contacts` | laws of contacts after each sweep |
 //! | `cells` | sources, gravity, rotation, relaxation, return mapping, flushing of subnormals, time integrals |
 //! | `output` | fields at the time of the solver, records, snapshots, energies |
 //!
@@ -16,6 +17,7 @@
 //! therefore equal, too.
 
 mod cells;
+mod contacts;
 mod interlayers;
 mod output;
 mod step;
@@ -24,6 +26,7 @@ mod sweep;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::{Boundary, Load};
+use crate::solid::contact_faces::ContactConstants;
 use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex};
 use crate::solid::ledger::{CellDissipation, Energy, Ledger, LedgerSums, WorkSums};
@@ -57,6 +60,8 @@ pub struct Reference<T: SolverReal, const D: usize> {
     /// Wave pairs along the first axis, for sweeps of a quarter of a step (alternating sweeps).
     quarter_step_waves: Vec<ReferenceWavePair<T>>,
     boundaries: [[BoundaryFaces<T>; 2]; D],
+    /// Constants of the faces of contacts by axis and medium; empty without contacts.
+    contact_faces: [Vec<ContactConstants<T>>; D],
     /// Constants of the laws that act in cells between sweeps.
     cell_laws: CellLaws<T>,
     /// Values by field and cell (first axis fastest); stresses as deviation from the initial stress.
@@ -122,6 +127,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             shear_steps,
             boundaries: std::array::from_fn(|axis| {
                 [0, 1].map(|end| create_boundary(&problem, axis, end))
+            }),
+            contact_faces: std::array::from_fn(|axis| match problem.has_contacts() {
+                true => ContactConstants::by_medium(&problem, axis),
+                false => Vec::new(),
             }),
             cell_laws: CellLaws::new(&problem, &state_fields),
             fields: vec![vec![T::ZERO; count]; state_fields.len()],

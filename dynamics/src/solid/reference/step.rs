@@ -25,7 +25,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Advances by a two-cyclic step: U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes
-    /// relaxation.
+    /// relaxation. The laws of contacts complete each sweep.
     fn advance_two_cyclic(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
@@ -40,6 +40,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         });
         for axis in 0..D {
             self.sweep(axis, (middles[0], middle));
+            self.apply_contact_laws();
         }
 
         self.interlayers.advance_fluid(step);
@@ -49,6 +50,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
         for axis in (0..D).rev() {
             self.sweep(axis, (middles[1], end));
+            self.apply_contact_laws();
         }
         if self.problem.scheme.plastic_step == PlasticStep::ReturnMapping {
             self.map_stresses();

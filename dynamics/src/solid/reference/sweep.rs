@@ -97,7 +97,7 @@ impl GridLine {
 
     /// Returns the position in the line of the cell at a depth (0: outermost cell) from an end; it wraps around if the
     /// line has no more than `depth` cells.
-    fn index_from_end(&self, end: usize, depth: usize) -> usize {
+    pub(super) fn index_from_end(&self, end: usize, depth: usize) -> usize {
         [depth % self.count, self.count - 1 - depth % self.count][end]
     }
 }
@@ -107,7 +107,7 @@ pub(super) struct LineFields<T> {
     pub(super) velocity: Vec<T>,
     pub(super) stress: Vec<T>,
     pub(super) cells: Vec<CellConstants<T>>,
-    accounts: Vec<SweepAccount>,
+    pub(super) accounts: Vec<SweepAccount>,
 }
 
 impl<T: Real> LineFields<T> {
@@ -207,7 +207,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             line_fields.accounts.clear();
             line_fields.accounts.resize(line.count, SweepAccount::default());
         }
-        if self.interlayers.has_interlayers_across(line.axis) {
+        if !self.contact_faces[line.axis].is_empty() {
+            self.sweep_line_with_contacts(line, line_fields);
+        } else if self.interlayers.has_interlayers_across(line.axis) {
             let mut interlayers = self.interlayers.line_interlayers(line);
             let step = 0.5 * self.problem.step;
             let relative_duration = self.shear_steps.relative_duration(self.steps);

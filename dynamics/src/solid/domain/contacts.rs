@@ -1,0 +1,320 @@
+//! Laws of contacts after each sweep, in lanes; see [`crate::solid::contact_law`]. Constants are by lane pattern.
+
+use super::kernel::contacts::PathContacts;
+use super::{Domain, SolverReal};
+use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
+use crate::solid::contact_faces::{BOUNDARY_HISTORY, ContactConstants};
+use crate::solid::contact_law::{ContactLaw, TensorPlaces};
+use crate::solid::ghosts::BoundaryFaces;
+use crate::solid::problem::Problem;
+use models::granular_medium::GranularContact;
+use models::porous::{PoreLaw, PoreState};
+use models::rheology::relaxation::SymmetricTensor;
+use models::solid::waves::{SolidField, VelocityStressPair};
+use std::ops::Range;
+
+/// By pattern: mask of the lanes with a law, and their constants; `None` where no lane has one.
+type ByPattern<C> = Vec<Option<(u16, C)>>;
+
+/// Offsets of the fields of a law, and its constants by pattern; `None` if no medium has the law.
+type LaneLaw<O, C> = Option<(O, ByPattern<C>)>;
+
+/// Laws of contacts by lane pattern.
+#[derive(Clone)]
+pub(super) struct LaneContacts<T: Real> {
+    /// Offsets of the stresses.
+    stress: TensorPlaces,
+    /// Law of granular media, whose fields are the excess stresses.
+    granular: LaneLaw<TensorPlaces, GranularContact<T::Lanes>>,
+    /// Law of porous media, whose fields are volumetric strain and closure.
+    porous: LaneLaw<[usize; 2], PoreLaw<T::Lanes>>,
+    /// Constants of the faces by axis and pattern.
+    faces: Vec<Vec<ContactConstants<T::Lanes>>>,
+    /// By axis, index of the longitudinal pair of waves.
+    longitudinal: Vec<usize>,
+}
+
+impl<T: Real> LaneContacts<T> {
+    /// Creates the laws; `None` if no medium has contacts. The offset of a field is its index times `pitch`.
+    pub(super) fn new<const D: usize>(
+        problem: &Problem<D>,
+        patterns: &[Vec<u16>],
+        pitch: usize,
+    ) -> Option<Self> {
+        let (media, fields) = (&problem.media, &problem.fields());
+        let granular: Vec<_> = media
+            .iter()
+            .map(|medium| match medium.contact {
+                Some(ContactLaw::Granular { law, .. }) => Some(law),
+                _ => None,
+            })
+            .collect();
+        let porous: Vec<_> = media
+            .iter()
+            .map(|medium| match medium.contact {
+                Some(ContactLaw::Porous { law, .. }) => Some(law),
+                _ => None,
+            })
+            .collect();
+        let excess = TensorPlaces::find(fields, SolidField::ExcessStress);
+        let place = |field| Some(fields.iter().position(|own| *own == field)? * pitch);
+        let history = place(SolidField::VolumetricStrain)
+            .zip(place(SolidField::PoreClosure))
+            .map(<[_; 2]>::from);
+        if excess.is_none() && history.is_none() {
+            return None;
+        }
+        let face_constants = |axis: usize| {
+            let by_medium = ContactConstants::<T>::by_medium(problem, axis);
+            let pattern_constants = |pattern: &Vec<u16>| {
+                let lanes_of = |of: &dyn Fn(&ContactConstants<T>) -> T| {
+                    T::Lanes::from_lanes(|lane| of(&by_medium[usize::from(pattern[lane])]))
+                };
+                let open = |lane: usize| by_medium[usize::from(pattern[lane])].open;
+                ContactConstants {
+                    open: CellConstants::from_lanes(open),
+                    impedance_ratio: lanes_of(&|own| own.impedance_ratio),
+                    porosity: lanes_of(&|own| own.porosity),
+                    strain_per_velocity: lanes_of(&|own| own.strain_per_velocity),
+                    is_granular: lanes_of(&|own| own.is_granular),
+                    excess_compliance: lanes_of(&|own| own.excess_compliance),
+                }
+            };
+            patterns.iter().map(pattern_constants).collect()
+        };
+        let longitudinal = |axis: usize| {
+            let mut pairs = media[0].pairs[axis].iter();
+            pairs.position(VelocityStressPair::is_longitudinal)
+        };
+        Some(Self {
+            faces: (0..D).map(face_constants).collect(),
+            longitudinal: (0..D).map(longitudinal).collect::<Option<_>>()?,
+            stress: TensorPlaces::find(fields, SolidField::Stress)?.scaled(pitch),
+            granular: excess.map(|places| {
+                let constants = |pattern: &Vec<u16>, first: GranularContact<f64>| {
+                    let law = |lane: usize| granular[usize::from(pattern[lane])].unwrap_or(first);
+                    let lanes = |of: fn(&GranularContact<f64>) -> f64| {
+                        T::Lanes::from_lanes(|lane| T::from_f64(of(&law(lane))))
+                    };
+                    GranularContact {
+                        bulk_modulus: lanes(|own| own.bulk_modulus),
+                        energy_modulus: lanes(|own| own.energy_modulus),
+                        intensity_factor: lanes(|own| own.intensity_factor),
+                        friction: lanes(|own| own.friction),
+                        yield_stress: lanes(|own| own.yield_stress),
+                        corner_pressure: lanes(|own| own.corner_pressure),
+                    }
+                };
+                (places.scaled(pitch), by_pattern(patterns, &granular, constants))
+            }),
+            porous: history.map(|places| {
+                let constants = |pattern: &Vec<u16>, first: PoreLaw<f64>| {
+                    let law = |lane: usize| porous[usize::from(pattern[lane])].unwrap_or(first);
+                    let lanes = |of: fn(&PoreLaw<f64>) -> f64| {
+                        T::Lanes::from_lanes(|lane| T::from_f64(of(&law(lane))))
+                    };
+                    PoreLaw {
+                        skeleton_modulus: lanes(|own| own.skeleton_modulus),
+                        contact_modulus: lanes(|own| own.contact_modulus),
+                        closed_compliance: lanes(|own| own.closed_compliance),
+                        porosity: lanes(|own| own.porosity),
+                    }
+                };
+                (places, by_pattern(patterns, &porous, constants))
+            }),
+        })
+    }
+}
+
+/// Returns by pattern the mask of the lanes with a law, and their constants; `None` where no lane has one. Lanes without
+/// a law have the constants of the first law.
+fn by_pattern<L: Copy, C>(
+    patterns: &[Vec<u16>],
+    laws: &[Option<L>],
+    constants: impl Fn(&Vec<u16>, L) -> C,
+) -> ByPattern<C> {
+    let pattern_constants = |pattern: &Vec<u16>| {
+        let law = |lane: usize| laws[usize::from(pattern[lane])];
+        let first = (0..pattern.len()).find_map(law)?;
+        let mask = (0..pattern.len()).map(|lane| u16::from(law(lane).is_some()) << lane).sum();
+        Some((mask, constants(pattern, first)))
+    };
+    patterns.iter().map(pattern_constants).collect()
+}
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// Returns the contacts at the faces of sweeps along an axis; `None` without contacts.
+    pub(super) fn path_contacts(
+        &self,
+        axis: usize,
+        half_step: usize,
+    ) -> Option<PathContacts<'_, T>> {
+        let LaneContacts { granular, porous, faces, longitudinal, .. } =
+            self.lane_laws.contacts.as_ref()?;
+        let boundary_value = |boundary: &BoundaryFaces<T>| match boundary {
+            BoundaryFaces::Physical(_) => Some(T::from_f64(BOUNDARY_HISTORY)),
+            BoundaryFaces::Periodic | BoundaryFaces::HaloEnd => None,
+        };
+        Some(PathContacts {
+            constants: &faces[axis],
+            volumetric_strain: porous.as_ref().map(|own| own.0[0]),
+            excess: granular.as_ref().map(|own| own.0.normal),
+            longitudinal: longitudinal[axis],
+            boundary_values: self.boundaries.faces[half_step][axis].each_ref().map(boundary_value),
+        })
+    }
+
+    /// Completes the elastic step of a sweep in rows of a layer, in all media with contacts.
+    pub(super) fn apply_contact_laws(&mut self, layer: usize, rows: &Range<usize>) {
+        if self.lane_laws.contacts.is_none() || rows.is_empty() {
+            return;
+        }
+        for row in rows.clone() {
+            let tile = self.layout.row_segment(row);
+            self.apply_contact_laws_to_groups(self.layout.segment_groups(layer, &tile));
+        }
+    }
+
+    /// Completes the elastic step in adjacent groups of a row, given the index of their first value and their range.
+    pub(super) fn apply_contact_laws_to_groups(&mut self, (first, groups): (usize, Range<usize>)) {
+        let Some(contacts) = &self.lane_laws.contacts else { return };
+        let lanes = T::Lanes::COUNT;
+        let tile_lanes = groups.start * lanes..groups.end * lanes;
+        let dissipation = &mut self.diagnostics.dissipation.plastic_dissipation;
+        self.instructions.run_kernel::<T>(ContactKernel {
+            field_data: &mut self.field_data[first..],
+            lane_pattern_indices: &self.materials.lane_pattern_indices[groups],
+            contacts,
+            plastic_dissipation: dissipation.get_mut(tile_lanes).unwrap_or(&mut []),
+        });
+    }
+}
+
+/// Kernel: laws of contacts in adjacent groups of a row.
+struct ContactKernel<'a, T: Real> {
+    /// Field values from the first of these groups on.
+    field_data: &'a mut [T::Lanes],
+    lane_pattern_indices: &'a [u32],
+    contacts: &'a LaneContacts<T>,
+    /// Accumulated plastic dissipation by group and lane, J/m³; empty if no medium is plastic.
+    plastic_dissipation: &'a mut [f64],
+}
+
+impl<T: Real> SimdKernel<T> for ContactKernel<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { field_data, lane_pattern_indices, contacts, plastic_dissipation } = self;
+        let LaneContacts { stress, granular, porous, .. } = contacts;
+        if let Some((places, by_pattern)) = porous {
+            for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
+                let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
+                complete_pore_step::<T, V>(&mut field_data[index..], *lanes, law, stress, places);
+            }
+        }
+        if let Some((places, by_pattern)) = granular {
+            for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
+                let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
+                let group = &mut field_data[index..];
+                let dissipated = match stress.shear.len() {
+                    1 => complete_granular_step::<T, V, 1>(group, *lanes, law, [stress, places]),
+                    _ => complete_granular_step::<T, V, 3>(group, *lanes, law, [stress, places]),
+                };
+                let sums =
+                    plastic_dissipation.get_mut(index * T::Lanes::COUNT..).unwrap_or(&mut []);
+                for (sum, own) in sums.iter_mut().zip(dissipated.lanes()) {
+                    *sum += own.to_f64();
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn complete_pore_step<T: Real, V: Vector<T>>(
+    group: &mut [T::Lanes],
+    lanes: u16,
+    law: &PoreLaw<T::Lanes>,
+    stress: &TensorPlaces,
+    [strain, closure]: &[usize; 2],
+) {
+    let law = PoreLaw {
+        skeleton_modulus: V::load(&law.skeleton_modulus),
+        contact_modulus: V::load(&law.contact_modulus),
+        closed_compliance: V::load(&law.closed_compliance),
+        porosity: V::load(&law.porosity),
+    };
+    let [a, b, c] = stress.normal;
+    let normal = [V::load(&group[a]), V::load(&group[b]), V::load(&group[c])];
+    let before = PoreState {
+        volumetric_strain: V::load(&group[*strain]),
+        closure: V::load(&group[*closure]),
+    };
+    let mean_stress = V::THIRD * (normal[0] + normal[1] + normal[2]);
+    let step = law.complete_step(mean_stress, before);
+    for i in 0..3 {
+        let value = normal[i] + step.mean_stress_change;
+        normal[i].blend_lanes(lanes, value).store(&mut group[stress.normal[i]]);
+    }
+    let strain_after = step.state.volumetric_strain;
+    before.volumetric_strain.blend_lanes(lanes, strain_after).store(&mut group[*strain]);
+    before.closure.blend_lanes(lanes, step.state.closure).store(&mut group[*closure]);
+}
+
+/// Completes the step of a group and returns the plastic dissipation, J/m³.
+#[inline(always)]
+fn complete_granular_step<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
+    group: &mut [T::Lanes],
+    lanes: u16,
+    law: &GranularContact<T::Lanes>,
+    [stress_places, excess_places]: [&TensorPlaces; 2],
+) -> T::Lanes {
+    let law = GranularContact {
+        bulk_modulus: V::load(&law.bulk_modulus),
+        energy_modulus: V::load(&law.energy_modulus),
+        intensity_factor: V::load(&law.intensity_factor),
+        friction: V::load(&law.friction),
+        yield_stress: V::load(&law.yield_stress),
+        corner_pressure: V::load(&law.corner_pressure),
+    };
+    let stress: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, stress_places);
+    let excess: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, excess_places);
+    let step = law.complete_step(stress, excess);
+    store_tensor::<T, V, _>(group, lanes, stress_places, &stress, &step.stress);
+    store_tensor::<T, V, _>(group, lanes, excess_places, &excess, &step.excess);
+    let mut dissipated = T::Lanes::ZERO;
+    V::ZERO.blend_lanes(lanes, step.plastic_dissipation).store(&mut dissipated);
+    dissipated
+}
+
+#[inline(always)]
+fn load_tensor<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
+    group: &[T::Lanes],
+    places: &TensorPlaces,
+) -> SymmetricTensor<V, SHEAR_COUNT> {
+    let mut tensor = SymmetricTensor::ZERO;
+    for i in 0..3 {
+        tensor.normal[i] = V::load(&group[places.normal[i]]);
+    }
+    for i in 0..SHEAR_COUNT {
+        tensor.shear[i] = V::load(&group[places.shear[i]]);
+    }
+    tensor
+}
+
+/// Stores the masked lanes of a tensor that had the values `before`.
+#[inline(always)]
+fn store_tensor<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
+    group: &mut [T::Lanes],
+    lanes: u16,
+    places: &TensorPlaces,
+    before: &SymmetricTensor<V, SHEAR_COUNT>,
+    after: &SymmetricTensor<V, SHEAR_COUNT>,
+) {
+    for i in 0..3 {
+        before.normal[i].blend_lanes(lanes, after.normal[i]).store(&mut group[places.normal[i]]);
+    }
+    for i in 0..SHEAR_COUNT {
+        before.shear[i].blend_lanes(lanes, after.shear[i]).store(&mut group[places.shear[i]]);
+    }
+}

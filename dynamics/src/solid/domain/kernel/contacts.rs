@@ -1,0 +1,277 @@
+//! Sweep of lines in media with contacts: all pairs of waves together, since an open face has no traction of any pair.
+//! The formulas of the faces are those of [`crate::solid::contact_faces`].
+#![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
+
+use super::super::layout::GroupIndex;
+use super::super::material_table::WavePair;
+use super::{CarriedState, SweepLines, prefetch};
+use crate::simd::{InstructionSet, Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
+use crate::solid::contact_faces::{ContactConstants, FaceContacts, FaceStencil};
+use crate::solid::reconstruction::Slopes;
+use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
+
+/// Contacts at the faces of a sweep.
+#[derive(Clone, Copy)]
+pub(crate) struct PathContacts<'a, T: Real> {
+    /// Constants by lane pattern.
+    pub(crate) constants: &'a [ContactConstants<T::Lanes>],
+    /// Offset of the volumetric strain of porous media.
+    pub(crate) volumetric_strain: Option<usize>,
+    /// Offsets of the normal components of the excess stress of granular media.
+    pub(crate) excess: Option<[usize; 3]>,
+    /// Index of the longitudinal pair of waves.
+    pub(crate) longitudinal: usize,
+    /// Values of the history variables in the ghosts at the lower and the upper end of rows; `None` where they are
+    /// copied.
+    pub(crate) boundary_values: [Option<T>; 2],
+}
+
+impl<T: Real> PathContacts<'_, T> {
+    /// Returns the offsets of the history variables on which faces depend.
+    #[inline(always)]
+    pub(crate) fn history_offsets(&self) -> impl Iterator<Item = usize> {
+        self.volumetric_strain.into_iter().chain(self.excess.into_iter().flatten())
+    }
+}
+
+/// Kernel: sweep of adjacent lines with contacts.
+struct ContactSweep<'a, 'b, T: Real, const IS_UNIFORM: bool>(&'a mut SweepLines<'b, T>);
+
+impl<T: Real, const IS_UNIFORM: bool> SimdKernel<T> for ContactSweep<'_, '_, T, IS_UNIFORM> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Some(contacts) = self.0.contacts else { return };
+        match self.0.waves.len() {
+            2 => self.0.sweep_with_contacts::<V, 2, IS_UNIFORM>(contacts),
+            3 => self.0.sweep_with_contacts::<V, 3, IS_UNIFORM>(contacts),
+            _ => debug_assert!(false, "media with contacts have no spins"),
+        }
+    }
+}
+
+/// What a sweep carries along a line for a pair of waves.
+#[derive(Clone, Copy)]
+struct PairWindow<V> {
+    /// States of groups i − 2 … i + 1 around the face below group i.
+    states: [State<V>; 4],
+    /// Interface state at the lower face of group i − 1, scaled by its impedance.
+    lower_face: InterfaceState<V>,
+}
+
+impl<T: Real> SweepLines<'_, T> {
+    /// Sweeps lines with contacts.
+    pub(super) fn sweep_path_with_contacts(&mut self, instructions: InstructionSet) {
+        match self.table.has_single_pattern() {
+            true => instructions.run_kernel(ContactSweep::<T, true>(self)),
+            false => instructions.run_kernel(ContactSweep::<T, false>(self)),
+        }
+    }
+
+    #[inline(always)]
+    fn sweep_with_contacts<V: Vector<T>, const P: usize, const IS_UNIFORM: bool>(
+        &mut self,
+        contacts: PathContacts<'_, T>,
+    ) {
+        let lines = self.carried.len() / P;
+        if let Some(rows) = &self.rows {
+            for (index, wave) in self.waves.iter().enumerate() {
+                rows.fill_ghosts::<V>(self.field_data, wave, index, 0..lines);
+            }
+            for place in contacts.history_offsets() {
+                rows.fill_history_ghosts::<V>(
+                    self.field_data,
+                    place,
+                    contacts.boundary_values,
+                    0..lines,
+                );
+            }
+        }
+        for line in 0..lines {
+            self.sweep_line_with_contacts::<V, P, IS_UNIFORM>(&contacts, line);
+            if let Some(rows) = &self.rows {
+                for wave in self.waves {
+                    rows.clear_padding(self.field_data, wave.velocity, line);
+                    rows.clear_padding(self.field_data, wave.stress, line);
+                    for place in &wave.passive_stresses {
+                        rows.clear_padding(self.field_data, *place, line);
+                    }
+                }
+                for place in contacts.history_offsets() {
+                    rows.clear_padding(self.field_data, place, line);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn sweep_line_with_contacts<V: Vector<T>, const P: usize, const IS_UNIFORM: bool>(
+        &mut self,
+        contacts: &PathContacts<'_, T>,
+        line: usize,
+    ) {
+        let (path, steps) = (self.path, self.path.len() - 2);
+        let slopes = match self.slopes {
+            Slopes::Limited => Slopes::Limited,
+            Slopes::Godunov | Slopes::FourthOrder => Slopes::Godunov,
+        };
+        let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
+        let slot = line * P;
+        let mut windows = [PairWindow {
+            states: [State { velocity: V::ZERO, stress: V::ZERO }; 4],
+            lower_face: InterfaceState { difference: V::ZERO, sum: V::ZERO },
+        }; P];
+        for pair in 0..P {
+            let wave = &self.waves[pair];
+            let window = &mut windows[pair];
+            window.states[2] = self.load_pair::<V>(path[0].start + offset.start, wave);
+            window.states[3] = self.load_pair::<V>(path[1].start + offset.start, wave);
+            if !self.is_line_start {
+                // The group before the path has already been updated: its state before the sweep is stored.
+                let carried = CarriedState::<V>::load(&self.carried[slot + pair]);
+                let RiemannInvariants { right, left } = carried.carried_invariants;
+                window.states[1] = State { velocity: right, stress: left };
+                window.lower_face = carried.lower_face;
+            }
+        }
+        let mut patterns = [0_u32; 4];
+        patterns[1] = self.lane_pattern_indices[self.previous_group.group + offset.group];
+        patterns[2] = self.lane_pattern_indices[path[0].group + offset.group];
+        patterns[3] = self.lane_pattern_indices[path[1].group + offset.group];
+        let mut beside = FaceContacts { volumetric_strain: None, excess: None };
+        self.load_history::<V>(contacts, path[0].start + offset.start, &mut beside);
+        for place in 0..steps {
+            let next = path[place + 2].start + offset.start;
+            patterns = [
+                patterns[1],
+                patterns[2],
+                patterns[3],
+                self.lane_pattern_indices[path[place + 2].group + offset.group],
+            ];
+            for pair in 0..P {
+                let wave = &self.waves[pair];
+                let group = &self.field_data[next..];
+                prefetch(group, self.prefetch_l1_distance + wave.velocity, true);
+                prefetch(group, self.prefetch_l1_distance + wave.stress, true);
+                let states = windows[pair].states;
+                let state = self.load_pair::<V>(next, wave);
+                windows[pair].states = [states[1], states[2], states[3], state];
+            }
+            self.load_history::<V>(contacts, path[place + 1].start + offset.start, &mut beside);
+            let solutions =
+                self.solve_faces::<V, P, IS_UNIFORM>(contacts, &windows, patterns, &beside, slopes);
+            let start = path[place].start + offset.start;
+            for pair in 0..P {
+                let wave = &self.waves[pair];
+                let cell: CellConstants<V> =
+                    CellConstants::load(self.table.constants(patterns[1], wave));
+                let window = &mut windows[pair];
+                let before = window.states[1];
+                let [below, above] = solutions[pair];
+                let moved = update_cell(before, [window.lower_face, below], &cell);
+                window.lower_face = above;
+                let group = &mut self.field_data[start..];
+                moved.velocity.store(&mut group[wave.velocity]);
+                moved.stress.store(&mut group[wave.stress]);
+                let change = moved.stress - before.stress;
+                for (passive, &place) in wave.passive_stresses.iter().enumerate() {
+                    let ratio: V = V::load(self.table.coupling_ratio(patterns[1], wave, passive));
+                    (V::load(&group[place]) + ratio * change).store(&mut group[place]);
+                }
+            }
+        }
+        for pair in 0..P {
+            let PairWindow { states, lower_face } = windows[pair];
+            let State { velocity, stress } = states[1];
+            let carried_invariants = RiemannInvariants { right: velocity, left: stress };
+            CarriedState { carried_invariants, lower_face }.store(&mut self.carried[slot + pair]);
+        }
+    }
+
+    /// Solves the Riemann problems of all pairs at a face.
+    #[inline(always)]
+    fn solve_faces<V: Vector<T>, const P: usize, const IS_UNIFORM: bool>(
+        &self,
+        contacts: &PathContacts<'_, T>,
+        windows: &[PairWindow<V>; P],
+        patterns: [u32; 4],
+        beside: &FaceContacts<V>,
+        slopes: Slopes,
+    ) -> [[InterfaceState<V>; 2]; P] {
+        let first: ContactConstants<V> =
+            ContactConstants::load(&contacts.constants[patterns[0] as usize]);
+        let mut constants = [first; 4];
+        if !IS_UNIFORM {
+            for depth in 1..4 {
+                constants[depth] =
+                    ContactConstants::load(&contacts.constants[patterns[depth] as usize]);
+            }
+        }
+        let contact_constants = [&constants[0], &constants[1], &constants[2], &constants[3]];
+        let unsolved = InterfaceState { difference: V::ZERO, sum: V::ZERO };
+        let mut solutions = [[unsolved; 2]; P];
+        let cells = self.load_cells::<V, IS_UNIFORM>(patterns, &self.waves[contacts.longitudinal]);
+        let stencil = FaceStencil {
+            states: windows[contacts.longitudinal].states,
+            cells: [&cells[0], &cells[1], &cells[2], &cells[3]],
+            contacts: contact_constants,
+        };
+        let (longitudinal, is_open) = stencil.solve_longitudinal::<IS_UNIFORM>(beside, slopes);
+        solutions[contacts.longitudinal] = longitudinal;
+        for pair in 0..P {
+            if pair != contacts.longitudinal {
+                let cells = self.load_cells::<V, IS_UNIFORM>(patterns, &self.waves[pair]);
+                let stencil = FaceStencil {
+                    states: windows[pair].states,
+                    cells: [&cells[0], &cells[1], &cells[2], &cells[3]],
+                    contacts: contact_constants,
+                };
+                solutions[pair] = stencil.solve_transverse::<IS_UNIFORM>(is_open, slopes);
+            }
+        }
+        solutions
+    }
+
+    #[inline(always)]
+    fn load_cells<V: Vector<T>, const IS_UNIFORM: bool>(
+        &self,
+        patterns: [u32; 4],
+        wave: &WavePair,
+    ) -> [CellConstants<V>; 4] {
+        let first: CellConstants<V> = CellConstants::load(self.table.constants(patterns[0], wave));
+        let mut cells = [first; 4];
+        if !IS_UNIFORM {
+            for depth in 1..4 {
+                cells[depth] = CellConstants::load(self.table.constants(patterns[depth], wave));
+            }
+        }
+        cells
+    }
+
+    /// Loads the history variables of a group as those of the upper cell of a face; the former ones are those of the
+    /// lower cell then.
+    #[inline(always)]
+    fn load_history<V: Vector<T>>(
+        &self,
+        contacts: &PathContacts<'_, T>,
+        start: usize,
+        beside: &mut FaceContacts<V>,
+    ) {
+        let group = &self.field_data[start..];
+        if let Some(place) = contacts.volumetric_strain {
+            let before = beside.volumetric_strain.unwrap_or([V::ZERO; 2]);
+            beside.volumetric_strain = Some([before[1], V::load(&group[place])]);
+        }
+        if let Some([a, b, c]) = contacts.excess {
+            let excess = V::load(&group[a]) + V::load(&group[b]) + V::load(&group[c]);
+            let before = beside.excess.unwrap_or([V::ZERO; 2]);
+            beside.excess = Some([before[1], excess]);
+        }
+    }
+
+    #[inline(always)]
+    fn load_pair<V: Vector<T>>(&self, start: usize, wave: &WavePair) -> State<V> {
+        let group = &self.field_data[start..];
+        State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
+    }
+}

@@ -1,0 +1,189 @@
+//! Laws of contacts after each sweep, cell by cell; see [`crate::solid::contact_law`].
+
+use super::Reference;
+use super::sweep::{GridLine, LineFields};
+use crate::solid::contact_faces::{BOUNDARY_HISTORY, FaceContacts, FaceStencil};
+use crate::solid::contact_law::{ContactLaw, TensorPlaces};
+use crate::solid::domain::SolverReal;
+use crate::solid::ghosts::BoundaryFaces;
+use crate::solid::line::advance;
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::riemann::{InterfaceState, State};
+use models::porous::PoreState;
+use models::rheology::relaxation::SymmetricTensor;
+use models::solid::waves::SolidField;
+
+impl<T: SolverReal, const D: usize> Reference<T, D> {
+    /// Completes the elastic step of a sweep in all media with contacts.
+    pub(super) fn apply_contact_laws(&mut self) {
+        if !self.problem.has_contacts() {
+            return;
+        }
+        for cell in 0..self.problem.grid.count() {
+            match self.medium(cell).contact {
+                Some(ContactLaw::Granular { law, .. }) => {
+                    let law = law.map(T::from_f64);
+                    match D {
+                        2 => self.complete_granular_step::<1>(cell, &law),
+                        _ => self.complete_granular_step::<3>(cell, &law),
+                    }
+                }
+                Some(ContactLaw::Porous { law, .. }) => {
+                    self.complete_pore_step(cell, &law.map(T::from_f64));
+                }
+                None => {}
+            }
+        }
+    }
+
+    /// Sweeps all wave pairs of a line with contacts.
+    pub(super) fn sweep_line_with_contacts(
+        &self,
+        line: GridLine,
+        line_fields: &mut [LineFields<T>],
+    ) {
+        let slopes = self.problem.scheme.slopes;
+        let media: Vec<usize> =
+            self.line_cells(line).map(|cell| usize::from(self.problem.cell_media[cell])).collect();
+        let history = |field: SolidField| {
+            let place = self.field_index(field)?;
+            let values: Vec<T> =
+                self.line_cells(line).map(|cell| self.fields[place][cell]).collect();
+            Some(self.with_boundary_values(line, values))
+        };
+        let strain = history(SolidField::VolumetricStrain);
+        let excess = [0, 1, 2].map(|i| history(SolidField::ExcessStress(i, i)));
+        let beside = |upper: usize| FaceContacts {
+            volumetric_strain: strain.as_ref().map(|own| [own[upper - 1], own[upper]]),
+            excess: excess
+                .each_ref()
+                .map(Option::as_ref)
+                .into_iter()
+                .collect::<Option<Vec<_>>>()
+                .map(|own| {
+                    [upper - 1, upper].map(|cell| own[0][cell] + own[1][cell] + own[2][cell])
+                }),
+        };
+        let mut pairs = self.problem.media[0].pairs[line.axis].iter();
+        let longitudinal = pairs.position(|pair| pair.is_longitudinal()).unwrap_or(0);
+        // By face and pair, from the states before the sweep.
+        let constants = &self.contact_faces[line.axis];
+        let solve = |upper: usize| {
+            let stencil = |own: &LineFields<T>| {
+                let states = std::array::from_fn(|i| State {
+                    velocity: own.velocity[upper - 2 + i],
+                    stress: own.stress[upper - 2 + i],
+                });
+                (states, std::array::from_fn(|i| own.cells[upper - 2 + i]))
+            };
+            let contacts = std::array::from_fn(|i| &constants[media[upper - 2 + i]]);
+            let (states, cells): (_, [_; 4]) = stencil(&line_fields[longitudinal]);
+            let face = FaceStencil { states, cells: cells.each_ref(), contacts };
+            let (solution, is_open) = face.solve_longitudinal::<false>(&beside(upper), slopes);
+            let pair_solution = |pair: usize| {
+                if pair == longitudinal {
+                    return solution;
+                }
+                let (states, cells): (_, [_; 4]) = stencil(&line_fields[pair]);
+                let face = FaceStencil { states, cells: cells.each_ref(), contacts };
+                face.solve_transverse::<false>(is_open, slopes)
+            };
+            (0..line_fields.len()).map(pair_solution).collect::<Vec<_>>()
+        };
+        let solutions: Vec<Vec<[InterfaceState<T>; 2]>> =
+            (GHOSTS..=GHOSTS + line.count).map(solve).collect();
+        for (pair, own) in line_fields.iter_mut().enumerate() {
+            let LineFields { velocity, stress, cells, accounts } = own;
+            let at_face =
+                |_: [State<T>; 4], _: [&_; 4], upper: usize| solutions[upper - GHOSTS][pair];
+            advance(velocity, stress, cells, at_face, Some(accounts));
+        }
+    }
+
+    /// Returns the cells of a line, and for each of its ghosts the cell whose image it is.
+    fn line_cells(&self, line: GridLine) -> impl Iterator<Item = usize> {
+        let is_periodic =
+            move |end: usize| matches!(self.boundaries[line.axis][end], BoundaryFaces::Periodic);
+        let source = move |place: usize| {
+            let (end, depth) = match place.checked_sub(GHOSTS) {
+                None => (0, GHOSTS - 1 - place),
+                Some(index) if index < line.count => return line.cell(index),
+                Some(index) => (1, index - line.count),
+            };
+            let end = if is_periodic(end) { 1 - end } else { end };
+            line.cell(line.index_from_end(end, depth))
+        };
+        (0..line.count + 2 * GHOSTS).map(source)
+    }
+
+    /// Sets the history variable of the ghosts beyond physical boundaries.
+    fn with_boundary_values(&self, line: GridLine, mut values: Vec<T>) -> Vec<T> {
+        let end = GHOSTS + line.count;
+        for (boundary, ghosts) in
+            self.boundaries[line.axis].iter().zip([0..GHOSTS, end..end + GHOSTS])
+        {
+            if matches!(boundary, BoundaryFaces::Physical(_)) {
+                values[ghosts].fill(T::from_f64(BOUNDARY_HISTORY));
+            }
+        }
+        values
+    }
+
+    /// Returns the places of the stresses, or of the excess stresses.
+    fn tensor_places(&self, create: fn(usize, usize) -> SolidField) -> TensorPlaces {
+        TensorPlaces::find(&self.state_fields, create).expect("fields of the medium")
+    }
+
+    fn store_tensor<const SHEAR_COUNT: usize>(
+        &mut self,
+        cell: usize,
+        places: &TensorPlaces,
+        tensor: &SymmetricTensor<T, SHEAR_COUNT>,
+    ) {
+        let normal = places.normal.iter().zip(tensor.normal);
+        for (&place, value) in normal.chain(places.shear.iter().zip(tensor.shear)) {
+            self.fields[place][cell] = value;
+        }
+    }
+
+    fn complete_granular_step<const SHEAR_COUNT: usize>(
+        &mut self,
+        cell: usize,
+        law: &models::granular_medium::GranularContact<T>,
+    ) {
+        let stress_places = self.tensor_places(SolidField::Stress);
+        let excess_places = self.tensor_places(SolidField::ExcessStress);
+        let read =
+            |places: &TensorPlaces| places.read::<T, SHEAR_COUNT>(|place| self.fields[place][cell]);
+        let step = law.complete_step(read(&stress_places), read(&excess_places));
+        self.store_tensor(cell, &stress_places, &step.stress);
+        self.store_tensor(cell, &excess_places, &step.excess);
+        if let Some(sum) = self.dissipation.plastic_dissipation.get_mut(cell) {
+            *sum += step.plastic_dissipation.to_f64();
+        }
+        self.add_contact_loss(step.other_loss);
+    }
+
+    fn complete_pore_step(&mut self, cell: usize, law: &models::porous::PoreLaw<T>) {
+        let normal = self.tensor_places(SolidField::Stress).normal;
+        let place = |field| self.field_index(field).expect("a field of the medium");
+        let history = [SolidField::VolumetricStrain, SolidField::PoreClosure].map(place);
+        let [volumetric_strain, closure] = history.map(|place| self.fields[place][cell]);
+        let [a, b, c] = normal.map(|place| self.fields[place][cell]);
+        let before = PoreState { volumetric_strain, closure };
+        let step = law.complete_step(T::THIRD * (a + b + c), before);
+        for place in normal {
+            let value = &mut self.fields[place][cell];
+            *value = *value + step.mean_stress_change;
+        }
+        self.fields[history[0]][cell] = step.state.volumetric_strain;
+        self.fields[history[1]][cell] = step.state.closure;
+        self.add_contact_loss(step.energy_loss);
+    }
+
+    /// Adds an energy density, J/m³, to the numerical dissipation.
+    fn add_contact_loss(&mut self, loss: T) {
+        let volume = self.problem.grid.volume();
+        self.work.numerical_dissipation.add(volume * loss.to_f64());
+    }
+}

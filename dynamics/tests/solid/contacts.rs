@@ -1,0 +1,248 @@
+//! Granular and porous media: fused solver against the reference solver, energy, ledger, symmetry.
+
+use crate::configurations::{FLUSHED_MAGNITUDES, compare_problems, random_problem_with_media};
+use crate::support::media::classical;
+use crate::support::noise;
+use crate::support::random::NoiseSequence;
+use models::granular_medium::{GranularMedium, GranularParameters};
+use models::porous::{PoreContact, PorousMedium, PorousParameters};
+use models::solid::waves::SolidField;
+use models::yield_set::parameters::Mises;
+use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::contact_law::ContactLaw;
+use wellposed_dynamics::domain::Domain;
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
+use wellposed_dynamics::reference::Reference;
+
+/// Yield stress τ_s of plastic particles and skeletons.
+const YIELD_STRESS: f64 = 0.1;
+
+/// Returns a granular medium with constants of order one.
+pub fn granular(friction: f64, yield_stress: Option<f64>, dimensions: usize) -> Medium {
+    let parameters = GranularParameters {
+        density: 1.2,
+        bulk_modulus: 1.5,
+        shear_modulus: 0.9,
+        friction,
+        yield_stress,
+        intensity_coefficient: 0.375,
+    };
+    let medium = GranularMedium::new(parameters).expect("sound constants");
+    Medium::with_contact(ContactLaw::from(&medium), dimensions)
+}
+
+/// Returns a porous medium with constants of order one; a plastic skeleton has the yield stress [`YIELD_STRESS`].
+pub fn porous(contact_modulus: f64, porosity: f64, is_plastic: bool, dimensions: usize) -> Medium {
+    let parameters = PorousParameters {
+        density: 1.2,
+        bulk_modulus: 1.5,
+        shear_modulus: 0.9,
+        yield_stress: None,
+        intensity_coefficient: 0.375,
+        contact_bulk_modulus: contact_modulus,
+        porosity,
+        contact: PoreContact::Spherical,
+    };
+    let medium = PorousMedium::new(parameters).expect("sound constants");
+    let law = ContactLaw::from_porous(&medium).expect("a spherical contact");
+    let medium = Medium::with_contact(law, dimensions);
+    match is_plastic {
+        true => medium.with_yield_set(Mises::new_von_mises(YIELD_STRESS)),
+        false => medium,
+    }
+}
+
+fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
+    let medium = |random: &mut NoiseSequence| match random.uniform_index(5) {
+        0 | 1 => {
+            let friction = random.choose(&[0.0, 0.5, 0.5, 1.2]);
+            granular(friction, random.choose(&[None, Some(YIELD_STRESS)]), D)
+        }
+        2 | 3 => porous(
+            random.choose(&[0.0, 0.8, 12.0]),
+            random.choose(&[0.0, 0.02, 0.2]),
+            random.is_one_in(2),
+            D,
+        ),
+        _ => {
+            let medium = Medium::new(classical(random.choose(&[0.3, 2.3])), D);
+            match random.is_one_in(2) {
+                true => medium.with_yield_set(Mises::new_von_mises(YIELD_STRESS)),
+                false => medium,
+            }
+        }
+    };
+    let mut media: Vec<_> = (0..=random.uniform_index(3)).map(|_| medium(random)).collect();
+    if media.iter().all(|own| own.contact.is_none()) {
+        media[0] = granular(0.5, None, D);
+    }
+    media
+}
+
+/// Returns a random problem with contacts.
+fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
+    let media = random_media::<D>(random);
+    let mut problem = random_problem_with_media::<D>(random, media);
+    let slopes = match problem.scheme.slopes {
+        Slopes::Godunov => Slopes::Godunov,
+        _ => Slopes::Limited,
+    };
+    problem.scheme = Scheme {
+        splitting: Splitting::TwoCyclic,
+        ..Scheme::new(slopes, PlasticStep::ReturnMapping)
+    };
+    problem.initial_stress = None;
+    problem.interlayers.clear();
+    problem.shear_interval = 1;
+    for source in &mut problem.sources {
+        source.amplitudes.retain(|(field, _)| matches!(field, SolidField::Velocity(_)));
+    }
+    problem
+}
+
+#[test]
+fn fused_solver_equals_the_reference_in_the_plane() {
+    let counts = compare_problems::<f64, 2>((0, 24), FLUSHED_MAGNITUDES[0], random_problem);
+    assert!(counts[0] >= 6 && counts[1] >= 6, "{counts:?}");
+}
+
+#[test]
+fn fused_solver_equals_the_reference_in_space() {
+    let counts = compare_problems::<f64, 3>((1_000_000, 12), FLUSHED_MAGNITUDES[0], random_problem);
+    assert!(counts[0] >= 3 && counts[1] >= 3, "{counts:?}");
+}
+
+#[test]
+fn fused_solver_equals_the_reference_in_single_precision() {
+    compare_problems::<f32, 2>((2_000_000, 8), FLUSHED_MAGNITUDES[1], random_problem);
+    compare_problems::<f32, 3>((3_000_000, 4), FLUSHED_MAGNITUDES[1], random_problem);
+}
+
+/// Runs a problem with random initial velocities and no loads; returns the energies after each step, relative to that at
+/// the start, and the greatest normal stress, relative to the greatest magnitude of a stress.
+fn run_random_pulses<const D: usize>(
+    media: Vec<Medium>,
+    cells: [usize; D],
+    (boundary, seed, steps): (&Boundary, u64, usize),
+) -> (Vec<f64>, f64) {
+    let mut random = NoiseSequence::new(seed << 32);
+    let count: usize = cells.iter().product();
+    let patch = 3 + random.uniform_index(5);
+    let of_cell = (0..count).map(|cell| (cell % cells[0] / patch % media.len()) as u16).collect();
+    let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
+    let step = random.choose(&[2.0, 1.6]) * 0.1 / speed;
+    let scheme = Scheme {
+        splitting: Splitting::TwoCyclic,
+        ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping)
+    };
+    let grid = Grid { cells, spacing: [0.1; D] };
+    let boundaries = std::array::from_fn(|_| [boundary.clone(), boundary.clone()]);
+    let problem = Problem::new(grid, media, of_cell, boundaries, step, scheme);
+    let mut domain: Domain<f64, D> = Domain::new(&problem).expect("a sound problem");
+    let width = 2 + random.uniform_index(6);
+    for axis in 0..D {
+        let amplitudes: Vec<f64> = (0..count).map(|_| random.uniform_symmetric()).collect();
+        let values: Vec<f64> = (0..count).map(|cell| amplitudes[cell / width * width]).collect();
+        domain.set_field(SolidField::Velocity(axis), &values);
+    }
+    let start = domain.energy().total();
+    let mut energies = Vec::with_capacity(steps);
+    let (mut tension, mut magnitude) = (0.0f64, 0.0f64);
+    for _ in 0..steps {
+        domain.advance();
+        energies.push(domain.energy().total() / start);
+        for axis in 0..3 {
+            for value in domain.values(SolidField::Stress(axis, axis)).unwrap_or_default() {
+                tension = tension.max(value);
+                magnitude = magnitude.max(value.abs());
+            }
+        }
+    }
+    (energies, tension / magnitude)
+}
+
+/// Verifies that the energy does not grow in any step, with open faces, closing and opening contacts and pores. With
+/// friction below √(3c²/2) = ¾ a granular medium has no tension.
+fn check_random_pulses(seeds: std::ops::Range<u64>, steps: usize) {
+    for seed in seeds {
+        let mut random = NoiseSequence::new((seed + 77) << 32);
+        let friction = random.choose(&[0.0, 0.3, 0.65, 1.2]);
+        let yield_stress = random.choose(&[None, Some(YIELD_STRESS)]);
+        let boundary =
+            [Boundary::Free, Boundary::Fixed, Boundary::Periodic][random.uniform_index(3)].clone();
+        for kind in 0..3 {
+            let media = |dimensions: usize| match kind {
+                0 => vec![granular(friction, yield_stress, dimensions)],
+                1 => vec![porous(5.0, 0.05, yield_stress.is_some(), dimensions)],
+                _ => vec![
+                    granular(friction, yield_stress, dimensions),
+                    Medium::new(classical(0.8), dimensions),
+                    porous(5.0, 0.02, false, dimensions),
+                ],
+            };
+            let run = (&boundary, seed, steps);
+            let plane = run_random_pulses::<2>(media(2), [24, 19], run);
+            let space = run_random_pulses::<3>(media(3), [9, 7, 6], run);
+            for (energies, tension) in [plane, space] {
+                let mut before = 1.0;
+                for (step, energy) in energies.iter().enumerate() {
+                    assert!(
+                        *energy <= before + 1e-14,
+                        "{kind} {seed}: step {step}: {energy} after {before}"
+                    );
+                    before = *energy;
+                }
+                assert!(kind > 0 || friction > 0.75 || tension <= 1e-15, "{seed}: {tension:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn energy_never_grows_under_random_pulses() {
+    check_random_pulses(0..6, 60);
+}
+
+#[test]
+#[ignore = "100,000 steps of each medium, about ten minutes"]
+fn energy_never_grows_in_long_runs() {
+    check_random_pulses(0..1, 100_000);
+}
+
+#[test]
+fn ledger_of_a_plastic_granular_medium_closes() {
+    for (index, medium) in
+        [granular(0.5, Some(YIELD_STRESS), 2), porous(5.0, 0.05, true, 2)].into_iter().enumerate()
+    {
+        let scheme = Scheme {
+            splitting: Splitting::TwoCyclic,
+            ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping)
+        };
+        let step = 0.18 / medium.max_speed();
+        let boundaries =
+            [[Boundary::Free, Boundary::Free], [Boundary::Fixed, Boundary::NonReflecting]];
+        let mut problem = Problem::new(
+            Grid { cells: [14, 11], spacing: [0.1; 2] },
+            vec![medium],
+            vec![0; 154],
+            boundaries,
+            step,
+            scheme,
+        );
+        problem.acceleration = [0.05, -0.02];
+        let mut reference: Reference<f64, 2> = Reference::new(&problem).expect("a sound problem");
+        let velocities: Vec<f64> = (0..154).map(|cell| noise(cell + 1000)).collect();
+        reference.set_field(SolidField::Velocity(0), &velocities);
+        let start = reference.energy().total();
+        reference.advance(40);
+        let ledger = reference.ledger();
+        let dissipated = ledger.plastic_dissipation + ledger.numerical_dissipation;
+        let residual = start + ledger.boundary_work + ledger.source_work
+            - dissipated
+            - reference.energy().total();
+        assert!(ledger.plastic_dissipation > 0.01 * start, "{index}: {ledger:?}");
+        assert!(residual.abs() < 1e-13 * start, "{index}: {residual:e} {ledger:?}");
+    }
+}

@@ -1,0 +1,181 @@
+//! One step of the law of a granular medium: projection of the conditional stress onto the cone of the contact and the
+//! yield set of the particles.
+//!
+//! With the elastic stiffness C, the contact opens by the strain εᶜ = a:(s − σ), where a = C⁻¹ and s = C:(ε − εᵖ) is the
+//! conditional stress. An elastic step from σₙ to σ̂ = σₙ + C:Δε gives the trial s̄ = σ̂ + (s − σ)ₙ, with the mean pressure
+//! p̄ and the intensity t̄ of shear stress. With M = 2μc², the projection onto τ ≤ æp, τ ≤ τ_s in the norm of a is
+//!
+//! | case | condition, in this order | p | τ | λ_F |
+//! |---|---|---|---|---|
+//! | inside | t̄ ≤ æp̄, t̄ ≤ τ_s, p̄ ≥ 0 | p̄ | t̄ | 0 |
+//! | apex | æk t̄ ≤ −Mp̄ | 0 | 0 | 0 |
+//! | cone | p_c = (Mp̄ + æk t̄)/(M + æ²k), æp_c ≤ τ_s, p̄ < t̄/æ | p_c | æp_c | 0 |
+//! | cylinder | p̄ ≥ τ_s/æ | p̄ | τ_s | (t̄ − τ_s)/M |
+//! | corner | else | τ_s/æ | τ_s | (t̄ − τ_s)/M − (τ_s/æ − p̄)/(æk) |
+//!
+//! Plastic flow reduces the deviator of the conditional stress by Mλ_F; opening does not change the conditional stress.
+
+use super::parameters::GranularMedium;
+use crate::common::number::Number;
+use crate::rheology::relaxation::SymmetricTensor;
+use crate::uniaxial::skeleton::NO_LIMIT;
+
+/// Constants of the law of a granular medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GranularContact<N> {
+    /// Bulk modulus k, Pa.
+    pub bulk_modulus: N,
+    /// Modulus M = 2μc² of the energy τ²/(2M) of the deviator, Pa.
+    pub energy_modulus: N,
+    /// Coefficient c of the intensity τ = c |dev σ|.
+    pub intensity_factor: N,
+    /// Friction æ.
+    pub friction: N,
+    /// Yield stress τ_s, Pa; [`NO_LIMIT`] for elastic particles.
+    pub yield_stress: N,
+    /// Pressure τ_s/æ of the corner of cone and cylinder, Pa.
+    pub corner_pressure: N,
+}
+
+/// State of a granular medium after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GranularStep<N, const SHEAR_COUNT: usize> {
+    /// Stress σ, Pa.
+    pub stress: SymmetricTensor<N, SHEAR_COUNT>,
+    /// Excess s − σ of the conditional stress, Pa: the stress of the strain by which the contact has opened.
+    pub excess: SymmetricTensor<N, SHEAR_COUNT>,
+    /// Plastic dissipation of the step, J/m³.
+    pub plastic_dissipation: N,
+    /// Other energy lost in the step, J/m³: that of the projection onto the cone, and the difference between the
+    /// projection onto the yield set and the plastic dissipation.
+    pub other_loss: N,
+}
+
+impl GranularContact<f64> {
+    /// Creates the constants of a medium.
+    pub fn new(medium: &GranularMedium) -> Self {
+        let own = medium.parameters();
+        let yield_stress = own.yield_stress.unwrap_or(NO_LIMIT).min(NO_LIMIT);
+        Self {
+            bulk_modulus: own.bulk_modulus,
+            energy_modulus: 2.0 * own.shear_modulus * own.intensity_coefficient,
+            intensity_factor: own.intensity_coefficient.sqrt(),
+            friction: own.friction,
+            yield_stress,
+            corner_pressure: (yield_stress / own.friction).min(NO_LIMIT),
+        }
+    }
+
+    /// Returns whether the cone admits tension under lateral pressure: æ > √(3c²/2).
+    pub fn transmits_tension(&self) -> bool {
+        self.friction > self.intensity_factor * 1.5f64.sqrt()
+    }
+}
+
+impl<N: Number> GranularContact<N> {
+    /// Converts every constant by the function `f`.
+    #[inline(always)]
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> GranularContact<M> {
+        GranularContact {
+            bulk_modulus: f(self.bulk_modulus),
+            energy_modulus: f(self.energy_modulus),
+            intensity_factor: f(self.intensity_factor),
+            friction: f(self.friction),
+            yield_stress: f(self.yield_stress),
+            corner_pressure: f(self.corner_pressure),
+        }
+    }
+
+    /// Completes an elastic step: `stress` is the stress σ̂ after it, `excess` the excess before it, Pa.
+    #[inline(always)]
+    pub fn complete_step<const SHEAR_COUNT: usize>(
+        &self,
+        stress: SymmetricTensor<N, SHEAR_COUNT>,
+        excess: SymmetricTensor<N, SHEAR_COUNT>,
+    ) -> GranularStep<N, SHEAR_COUNT> {
+        let Self { bulk_modulus: k, energy_modulus: m, friction, yield_stress, .. } = *self;
+        let trial = stress.plus(excess);
+        let (pressure, deviator) = (-trial.mean(), trial.deviator());
+        let intensity = self.intensity_factor * deviator.squared_norm().sqrt();
+
+        // The cases of the table from the last to the first.
+        let friction_k = friction * k;
+        let opening = (self.corner_pressure - pressure) / friction_k.max(N::MIN_POSITIVE);
+        // New pressure and intensity, and the part Mλ_K of the intensity that opens the contact.
+        let mut case = [self.corner_pressure, yield_stress, m * opening];
+        let is_cylinder = not_above(self.corner_pressure, pressure);
+        replace(&mut case, is_cylinder, [pressure, yield_stress, N::ZERO]);
+        let cone_pressure = (m * pressure + friction_k * intensity) / (m + friction * friction_k);
+        let on_cone = friction * cone_pressure;
+        let is_outside_cone = intensity.select_gt(friction * pressure, N::ONE, N::ZERO);
+        let is_cone = is_outside_cone * not_above(on_cone, yield_stress);
+        replace(&mut case, is_cone, [cone_pressure, on_cone, intensity - on_cone]);
+        let is_apex = not_above(friction_k * intensity, -(m * pressure));
+        replace(&mut case, is_apex, [N::ZERO, N::ZERO, intensity]);
+        // Without friction a tensile mean stress also satisfies t̄ ≤ æp̄.
+        let is_inside = not_above(intensity, friction * pressure)
+            * not_above(intensity, yield_stress)
+            * not_above(N::ZERO, pressure);
+        replace(&mut case, is_inside, [pressure, intensity, N::ZERO]);
+        let [new_pressure, new_intensity, opened_intensity] = case;
+        let multiplier = (intensity - new_intensity - opened_intensity) / m;
+
+        let inverse = N::ONE / intensity.max(N::MIN_POSITIVE);
+        let kept = new_intensity * inverse;
+        let opened = opened_intensity * inverse;
+        let opened_pressure = pressure - new_pressure;
+        let mut result = GranularStep {
+            stress: trial,
+            excess: SymmetricTensor::ZERO,
+            plastic_dissipation: yield_stress.min(new_intensity) * multiplier,
+            other_loss: N::ZERO,
+        };
+        // Copied where the state is inside, so that a medium that never opens has the bits of an elastic solid.
+        for i in 0..3 {
+            let new = deviator.normal[i] * kept - new_pressure;
+            let excess = deviator.normal[i] * opened - opened_pressure;
+            result.stress.normal[i] = is_inside.select_gt(N::ZERO, trial.normal[i], new);
+            result.excess.normal[i] = is_inside.select_gt(N::ZERO, N::ZERO, excess);
+        }
+        for i in 0..SHEAR_COUNT {
+            let new = deviator.shear[i] * kept;
+            let excess = deviator.shear[i] * opened;
+            result.stress.shear[i] = is_inside.select_gt(N::ZERO, trial.shear[i], new);
+            result.excess.shear[i] = is_inside.select_gt(N::ZERO, N::ZERO, excess);
+        }
+        let loss = self.energy_difference(stress, result.stress);
+        result.other_loss = loss - result.plastic_dissipation;
+        result
+    }
+
+    /// Computes the stored energy ½σ:a:σ of a stress less that of another one, J/m³.
+    #[inline(always)]
+    fn energy_difference<const SHEAR_COUNT: usize>(
+        &self,
+        first: SymmetricTensor<N, SHEAR_COUNT>,
+        second: SymmetricTensor<N, SHEAR_COUNT>,
+    ) -> N {
+        let (difference, sum) = (first.plus(second.scale(-N::ONE)), first.plus(second));
+        let deviatoric = difference.deviator().contract(sum.deviator());
+        let factor = self.intensity_factor;
+        N::HALF
+            * (difference.mean() * sum.mean() / self.bulk_modulus
+                + factor * factor * deviatoric / self.energy_modulus)
+    }
+}
+
+// Functions, not closures, which would lose the SIMD instructions of the caller.
+
+/// Returns 1 where a ≤ b, else 0.
+#[inline(always)]
+fn not_above<N: Number>(a: N, b: N) -> N {
+    a.select_gt(b, N::ZERO, N::ONE)
+}
+
+/// Replaces three values where `is_case` is positive.
+#[inline(always)]
+fn replace<N: Number>(case: &mut [N; 3], is_case: N, values: [N; 3]) {
+    for (own, value) in case.iter_mut().zip(values) {
+        *own = is_case.select_gt(N::ZERO, value, *own);
+    }
+}
