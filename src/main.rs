@@ -2,8 +2,10 @@
 
 #[cfg(unix)]
 mod allocator;
+mod usage;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use models::interface::continuum::OpeningLimit;
 use models::registry;
@@ -22,9 +24,27 @@ use wellposed::study::MapOptions;
 #[global_allocator]
 static ALLOCATOR: allocator::ReportingAllocator = allocator::ReportingAllocator;
 
+/// Examples and exit codes, below the list of commands.
+const AFTER_HELP: &str = "\
+Examples:
+  wellposed map noncoaxiality-bound            map of a bundled case: out/noncoaxiality-bound/map.png
+  wellposed cases                              list of the bundled cases
+  wellposed new harris-grekova                 a commented case to start from: harris-grekova.toml
+  wellposed point harris-grekova.toml --set background.pressure=500
+  wellposed run lamb-2d --dry-run              size, time, memory and files of a run
+
+Exit codes:
+  0    done
+  1    done, but a check disagrees or a file is damaged
+  2    cannot be carried out: arguments, case, files, memory
+  3    a run stopped because of its state; the last valid state is saved
+  130  interrupted; a run has written a checkpoint (wellposed resume DIR)
+
+wellposed COMMAND --help lists the arguments of a command.";
+
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
-#[command(name = "wellposed", version = VERSION)]
+#[command(name = "wellposed", bin_name = "wellposed", version = VERSION, after_help = AFTER_HELP)]
 struct CommandLine {
     #[command(subcommand)]
     verb: Verb,
@@ -63,8 +83,8 @@ enum Verb {
     },
     /// Write the case of the Cosserat continuum that is equivalent to a blocky medium
     Homogenise {
-        /// Case file of a blocky medium
-        #[arg(id = "case")]
+        /// Case file of a blocky medium, or name of a bundled case
+        #[arg(id = "case", value_name = "CASE")]
         case_path: PathBuf,
         /// Override a key of the case, e.g. joint[0].thickness=5e-3; may be repeated
         #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -74,7 +94,7 @@ enum Verb {
         output_path: Option<PathBuf>,
         /// Cells of the grid per block along each axis
         #[arg(long, value_name = "N", default_value_t = 1,
-            value_parser = clap::value_parser!(u16).range(1..=1000))]
+            value_parser = parse_cells_per_block)]
         cells_per_block: u16,
         /// Take the overturning of blocks of side h as the limit of the couple stress (couple friction κ_μ = h/2),
         /// instead of the first opening of their faces (κ_μ = h/6)
@@ -106,7 +126,7 @@ enum Verb {
         arguments: CaseArguments,
         /// Wall time between two checkpoints, from which an interrupted run resumes, s
         #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
-            value_parser = parse_seconds)]
+            allow_negative_numbers = true, value_parser = parse_seconds)]
         checkpoint_interval: f64,
         /// Simulate a flow although its equations are ill-posed and its solution depends on the grid
         #[arg(long)]
@@ -116,6 +136,9 @@ enum Verb {
     Check {
         #[command(flatten)]
         arguments: CaseArguments,
+        /// Print only rows, and of a folder only cases, that disagree; files of results have all rows
+        #[arg(long = "disagreeing")]
+        only_disagreeing: bool,
     },
     /// Compare two finished runs of the same load, such as a blocky medium and its equivalent continuum: means over blocks,
     /// fronts, dissipated energy
@@ -142,11 +165,11 @@ enum Verb {
         /// Results folder
         folder: PathBuf,
         /// Number of threads [default: one per core]; results do not depend on it
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+        #[arg(long, value_name = "N", value_parser = parse_thread_count)]
         threads: Option<u16>,
         /// Wall time between two checkpoints, s
         #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
-            value_parser = parse_seconds)]
+            allow_negative_numbers = true, value_parser = parse_seconds)]
         checkpoint_interval: f64,
         /// Output format
         #[arg(long, value_enum, default_value = "text")]
@@ -165,8 +188,24 @@ enum Verb {
         #[arg(long, value_enum, default_value = "text")]
         format: FormatArgument,
     },
-    /// List the bundled cases
-    Cases,
+    /// List the bundled cases, which every command takes by their names; print or copy them
+    #[command(args_conflicts_with_subcommands = true)]
+    Cases {
+        /// Copy all cases to this folder
+        #[arg(long = "copy", value_name = "DIR")]
+        copy_folder: Option<PathBuf>,
+        /// Overwrite files that exist with another text
+        #[arg(long, requires = "copy_folder")]
+        force: bool,
+        #[command(subcommand)]
+        action: Option<CasesAction>,
+    },
+    /// List the models: names, equations, references
+    Models {
+        /// Output format
+        #[arg(long, value_enum, default_value = "text")]
+        format: FormatArgument,
+    },
     /// Write a commented template of a case file
     New {
         /// Kind of model, or a rheological scheme
@@ -202,11 +241,20 @@ enum Verb {
     },
 }
 
+#[derive(Subcommand)]
+enum CasesAction {
+    /// Print the text of a case
+    Show {
+        /// Name or path of the case, as listed
+        name: String,
+    },
+}
+
 /// Arguments of all verbs that run a case.
 #[derive(Args)]
 struct CaseArguments {
-    /// Case file
-    #[arg(id = "case")]
+    /// Case file, or name of a bundled case
+    #[arg(id = "case", value_name = "CASE")]
     case_path: PathBuf,
     /// Override a key of the case, e.g. background.pressure=500; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -224,7 +272,7 @@ struct CaseArguments {
     #[arg(long = "dry-run")]
     is_dry_run: bool,
     /// Number of threads [default: one per core]; results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = parse_thread_count)]
     threads: Option<u16>,
 }
 
@@ -265,6 +313,20 @@ fn parse_yield_set(name: String) -> Result<YieldSetKind, String> {
     registry::find_yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
+fn parse_thread_count(text: &str) -> Result<u16, String> {
+    parse_count(text, 1024)
+}
+
+fn parse_cells_per_block(text: &str) -> Result<u16, String> {
+    parse_count(text, 1000)
+}
+
+/// Parses a whole number from 1 to `most`.
+fn parse_count(text: &str, most: u16) -> Result<u16, String> {
+    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
+    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
+}
+
 /// Parses the smallest wall time between two checkpoints, s, at least 0; with 0 a checkpoint is written after every
 /// batch of steps.
 fn parse_seconds(text: &str) -> Result<f64, String> {
@@ -283,6 +345,7 @@ impl From<CaseArguments> for Options {
             is_dry_run: arguments.is_dry_run,
             thread_count: arguments.threads.map(usize::from),
             accept_ill_posed: false,
+            only_disagreeing: false,
         }
     }
 }
@@ -294,6 +357,7 @@ fn main() -> ExitCode {
         Err(error) => return report_usage_error(&error),
     };
     let format = verb.output_format();
+    signals::set_error_format(format);
     #[cfg(unix)]
     allocator::PRINTS_JSON_ERRORS
         .store(format == OutputFormat::Json, std::sync::atomic::Ordering::Relaxed);
@@ -314,14 +378,21 @@ fn main() -> ExitCode {
 
 /// Prints the usage error, with exit code 2, or the requested help or version, with exit code 0.
 fn report_usage_error(error: &clap::Error) -> ExitCode {
-    let arguments: Vec<String> =
-        std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    let arguments: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|argument| argument.to_string_lossy().into_owned())
+        .collect();
     let wants_json = arguments.windows(2).any(|pair| pair == ["--format", "json"])
         || arguments.iter().any(|argument| argument == "--format=json");
     if wants_json && error.use_stderr() {
-        let text = error.render().to_string();
-        let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
-        let _ = writeln!(std::io::stderr(), "{}", CommandError::usage_error_to_json(message));
+        let error =
+            CommandError::Usage(usage::describe_usage_error::<CommandLine>(error, &arguments));
+        let _ = writeln!(std::io::stderr(), "{}", error.to_json());
+    } else if error.use_stderr()
+        && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    {
+        let error = usage::describe_usage_error::<CommandLine>(error, &arguments);
+        let _ = writeln!(std::io::stderr(), "error: {error}");
     } else {
         let _ = error.print();
     }
@@ -339,11 +410,12 @@ impl Verb {
             | Self::Speeds { arguments }
             | Self::Shocks { arguments }
             | Self::Run { arguments, .. }
-            | Self::Check { arguments } => arguments.format.into(),
+            | Self::Check { arguments, .. } => arguments.format.into(),
             Self::Resume { format, .. }
             | Self::Verify { format, .. }
             | Self::Compare { format, .. }
-            | Self::Homogenise { format, .. } => (*format).into(),
+            | Self::Homogenise { format, .. }
+            | Self::Models { format } => (*format).into(),
             _ => OutputFormat::Text,
         }
     }
@@ -396,7 +468,10 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
                 &mut stdout,
             )?;
         }
-        Verb::Check { arguments } => cli::run_check(&arguments.into(), &mut stdout)?,
+        Verb::Check { arguments, only_disagreeing } => {
+            let options = Options { only_disagreeing, ..arguments.into() };
+            cli::run_check(&options, &mut stdout)?;
+        }
         Verb::Compare { first, second, output_folder, format, force, is_dry_run } => {
             let folders = [first, second];
             let format = format.into();
@@ -410,7 +485,14 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         }
         Verb::Plot { folder } => cli::plot(&folder, &mut stdout)?,
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
-        Verb::Cases => cases::list_cases(&mut stdout)?,
+        Verb::Cases { action: Some(CasesAction::Show { name }), .. } => {
+            cases::show_case(&name, &mut stdout)?;
+        }
+        Verb::Cases { copy_folder: Some(folder), force, .. } => {
+            cases::copy_cases(&folder, force, &mut stdout)?;
+        }
+        Verb::Cases { .. } => cases::list_cases(&mut stdout)?,
+        Verb::Models { format } => cli::list_models(format.into(), &mut stdout)?,
         Verb::New { kind, yield_set, is_simulation, plane_wave, file, force } => {
             let medium = MediumKind::new(kind, yield_set)?;
             let purpose = match plane_wave {

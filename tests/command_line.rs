@@ -236,7 +236,7 @@ fn unwritable_folder_is_refused_before_computation() {
     run_with_exit_code(0, &here, "new harris-grekova case.toml");
     std::os::unix::fs::symlink("nowhere", here.join("link")).unwrap();
     for (arguments, start) in [
-        ("--out /proc/absent/below", "error: /proc: "),
+        ("--out /proc/absent/below", "error: /proc/absent/below: "),
         ("--out /proc/self --force", "error: /proc/self: "),
         ("--out link", "error: link: "),
     ] {

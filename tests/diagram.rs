@@ -85,8 +85,8 @@ fn a_path_that_the_scheme_cannot_follow_is_refused() {
     let (_, error) = run_with_exit_code(2, &folder, "diagram case.toml");
     assert!(
         error.contains(
-            "case.toml:6: load_path.points: at the time 0.6 s the stress 200000.0 Pa is not borne: the \
-             stress of this scheme is from −∞ to 0.0 Pa; give values that the scheme can reach"
+            "case.toml:6: load_path.points: at the time 0.6 s the stress 200000 Pa is not borne: the \
+             stress of this scheme is from −∞ to 0 Pa; give values that the scheme can reach"
         ),
         "{error}"
     );
@@ -98,7 +98,7 @@ fn other_verbs_refuse_schemes_and_diagram_refuses_models() {
     let folder = create_case_folder(TEST_FOLDER, "other-verbs", POROUS);
     for verb in ["map", "point", "dispersion", "homogenise", "speeds"] {
         let (_, error) = run_with_exit_code(2, &folder, &format!("{verb} case.toml"));
-        let message = "rheology: found a rheological scheme; this needs a flow or a solid; wellposed diagram computes \
+        let message = "rheology: found a rheological scheme; expected a flow or a solid; wellposed diagram computes \
                        the response of a scheme";
         assert!(error.contains(message), "{verb}: {error}");
     }
@@ -111,7 +111,7 @@ fn other_verbs_refuse_schemes_and_diagram_refuses_models() {
     let folder = create_case_folder(TEST_FOLDER, "solid", solid);
     let (_, error) = run_with_exit_code(2, &folder, "diagram case.toml");
     assert!(
-        error.contains("case.toml:2: model.kind: found classical; this needs a rheological scheme"),
+        error.contains("case.toml:2: model.kind: found classical; expected a rheological scheme"),
         "{error}"
     );
 }

@@ -209,7 +209,7 @@ fn check_command(command: &str) {
     let arguments: Vec<&str> =
         words.iter().map(String::as_str).filter(|word| *word != "--dry-run").collect();
     let is_placeholder =
-        |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
+        |word: &&str| ["CASE", "DIR", "KIND", "NAME", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
     let takes_case =
         ["map", "point", "dispersion", "diagram", "homogenise", "speeds", "shocks", "run", "check"]

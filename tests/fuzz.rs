@@ -351,8 +351,10 @@ fn run_mutants(range: Range<usize>, seed: u64) {
     println!("exit codes 0, 1, 2, 3 and 130: {codes:?}");
     let faults = faults.into_inner().unwrap();
     assert!(faults.is_empty(), "{} faults, the first:\n{}", faults.len(), faults[0]);
-    // The mutants test little if nearly all or nearly none of them are refused.
-    assert!(count < 100 || codes[0] > count / 10 && codes[2] > count / 10, "{codes:?}");
+    // The mutants test little if nearly all or nearly none of them are refused. A slow machine interrupts more of those that
+    // are not.
+    let accepted = codes[0] + codes[4];
+    assert!(count < 100 || accepted > count / 10 && codes[2] > count / 10, "{codes:?}");
 }
 
 #[test]

@@ -184,7 +184,7 @@ fn too_long_names_are_refused_at_start() {
     let here = create_case_folder(TEST_FOLDER, "name", &case);
     let (_, stderr) = run_with_exit_code(2, &here, "run case.toml --out out --threads 1");
     assert!(
-        stderr.contains("receiver[0].name") && stderr.contains("at most 255 characters"),
+        stderr.contains("receiver[0].name") && stderr.contains("1 to 255 characters"),
         "{stderr}"
     );
     assert!(!here.join("out").exists());

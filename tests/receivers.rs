@@ -227,7 +227,7 @@ fn receiver_lines_and_grids_have_expected_points_and_names() {
         ),
         (
             "[[receiver]]\nfrom=[0, 0]\nto=[1, 1]\ncount=20000\n",
-            "receiver[0].count: found 20000; at most 10000 points",
+            "receiver[0].count: found 20000; expected at most 10000 points",
         ),
         (
             "[[receiver]]\nname='a-1'\nat=[0, 0]\n[[receiver]]\nname='a'\nfrom=[0, 0]\nto=[1, 1]\ncount=2\n",
@@ -235,7 +235,7 @@ fn receiver_lines_and_grids_have_expected_points_and_names() {
         ),
         (
             "[[receiver]]\nat=[0, 0]\ninterpolation='linear'\n",
-            "receiver[0].interpolation: found 'linear'; did you mean 'none'? allowed: cubic, none",
+            "receiver[0].interpolation: found 'linear'; allowed: cubic, none",
         ),
     ] {
         let error = parse(text).expect_err("a wrong case");

@@ -236,7 +236,7 @@ fn damaged_checkpoints_are_refused() {
     fs::create_dir(&path).unwrap();
     let output = run_program(&here, "resume out");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(text.contains("let it be read") && !text.contains("--force"), "{text}");
+    assert!(text.contains("make it readable") && !text.contains("--force"), "{text}");
     fs::remove_dir(&path).unwrap();
     fs::write(&path, &sound).unwrap();
     // A table shorter than recorded in the checkpoint is refused.

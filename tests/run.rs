@@ -350,7 +350,7 @@ fn unsupported_states_are_refused() {
             format_classical_case(
                 "[yield]\nkind = 'drucker-prager'\nstrength = 1\nfriction = 0.5\ndilatancy = 0.1\n",
             ),
-            "runs have associated flow: 0.5",
+            "expected 0.5, the friction",
         ),
         (
             format_classical_case(

@@ -1,5 +1,10 @@
 //! The verb `shocks`: waves of the bundled cases against closed forms, files, and refusals.
 
+#[path = "shocks/check.rs"]
+mod check;
+#[path = "shocks/orders.rs"]
+mod orders;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -165,7 +170,10 @@ fn other_verbs_and_wrong_requests_are_refused_with_the_key() {
     for verb in [cli::run_point, cli::run_dispersion, cli::run_speeds] {
         for is_dry_run in [true, false] {
             let error = run_verb(verb, "foam-collapse.toml", &out, is_dry_run).unwrap_err();
-            assert!(error.contains("porous: found; this analyses solids without"), "{error}");
+            assert!(
+                error.contains("porous: found for this verb; expected a solid without"),
+                "{error}"
+            );
         }
     }
     let case = wellposed::load(case_path("foam-collapse.toml"), wellposed::NO_SETTINGS).unwrap();

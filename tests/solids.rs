@@ -407,7 +407,7 @@ fn invalid_solids_are_refused_with_location_and_remedy() {
 pressure = 1
 "
         ),
-        &["a stress without a yield set"],
+        &["stress: found without a yield set"],
     );
     let flow = wellposed::cli::new::generate_state_template(
         wellposed::case::ModelKind::from_name("double-shearing").expect("a kind"),

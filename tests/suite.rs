@@ -17,6 +17,8 @@ mod bloch;
 mod check;
 #[path = "check_blocks.rs"]
 mod check_blocks;
+#[path = "check_equations.rs"]
+mod check_equations;
 #[path = "diagram.rs"]
 mod diagram;
 #[path = "dispersion.rs"]
@@ -49,6 +51,8 @@ mod messages;
 mod normal_limits;
 #[path = "point_loads.rs"]
 mod point_loads;
+#[path = "polar_grids.rs"]
+mod polar_grids;
 #[path = "profiles.rs"]
 mod profiles;
 #[path = "ranges.rs"]
@@ -73,3 +77,5 @@ mod solids;
 mod verbs;
 #[path = "waves_in_time.rs"]
 mod waves_in_time;
+#[path = "wrong_inputs.rs"]
+mod wrong_inputs;

@@ -6,19 +6,30 @@
 //! ε L ẑ + O(ε³). The central difference at the amplitudes ε and ε/2, extrapolated to ε = 0 (Richardson 1911), is the
 //! column of L; among amplitudes ε of powers of two the pair that agrees best is taken (Ridders 1982), before differences
 //! leave the range of small amplitudes.
+//!
+//! Waves followed in time are compared in [`evolution`].
 
-use analysis::AnalysisError;
+mod differential_algebraic;
+pub mod evolution;
+
 use analysis::StateError;
 use analysis::equations::EquationsWorkspace;
 use analysis::pencil::PencilRoots;
+use evolution::{Evolution, follow_wave};
 use models::LinearisedSystem;
 use models::common::elementary::{Elementary, cr_cis};
-use models::equations::{JetVariable, MultiIndex, TextModel, TextState, TextWorkspace};
+use models::equations::{
+    EvaluationError, JetVariable, MultiIndex, TextModel, TextState, TextWorkspace,
+};
 use num_complex::Complex64;
+use std::cell::RefCell;
 use std::f64::consts::TAU;
 
 /// Largest relative difference between both symbols.
 pub const SYMBOL_TOLERANCE: f64 = 1e-6;
+
+/// Number of waves that are followed in time: each wave number twice.
+pub const MAX_FOLLOWED: usize = 6;
 
 /// Number of points of one period: enough to separate the first coefficient from those up to the sixth.
 const POINT_COUNT: usize = 8;
@@ -46,29 +57,57 @@ impl SymbolComparison {
     }
 }
 
-/// Compares both symbols of a model at `count` waves about the wave number `wave_number` (1/m), in directions that fill
-/// the circle or sphere evenly; `state` is completed by the background derivatives that it asks for.
+/// Comparison of the linearised equations and of the evolution in time at one wave vector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaveComparison {
+    /// Comparison of both symbols.
+    pub symbol: SymbolComparison,
+    /// Evolution in time.
+    pub evolution: Evolution,
+}
+
+/// Compares both symbols of a model, and its waves in time with the roots of the dispersion relation, at `count` waves
+/// about the wave number `wave_number` (1/m), in directions that fill the circle or sphere evenly; `state` is completed by
+/// the background derivatives that it asks for. The first [`MAX_FOLLOWED`] waves are followed in time.
 ///
 /// # Errors
 /// The state does not satisfy the equations, or cannot be analysed.
-pub fn compare_symbols(
+pub fn compare_waves(
     model: &TextModel,
     state: &mut TextState,
     wave_number: f64,
     count: usize,
-) -> Result<Vec<SymbolComparison>, StateError> {
+) -> Result<Vec<WaveComparison>, StateError> {
     let mut workspace = EquationsWorkspace::default();
     workspace.assess(model, state)?;
     let mut system = LinearisedSystem::<3>::default();
     model.linearise(state, &mut TextWorkspace::default(), &mut system)?;
+    let residual = PerturbedResidual::new(model, state)?;
     (0..count)
         .map(|index| {
             let k = wave_number * [1.0, 0.31, 2.7][index % 3];
             let (direction, elevation) = spread_direction(model.dimensions(), index);
-            let size = largest_rate(&workspace, model, k, [direction, elevation])?;
-            let rate = size * cr_cis(0.6 + 2.1 * index as f64);
             let wave_vector = to_wave_vector(k, direction, elevation);
-            Ok(compare_wave(model, state, &system, wave_vector, rate))
+            // Roots in the frame of the background velocity.
+            let turning: f64 = wave_vector.iter().zip(system.velocity).map(|(k, v)| k * v).sum();
+            let roots: Option<Vec<Complex64>> =
+                match workspace.roots(model, k, direction, elevation)? {
+                    PencilRoots::Regular { finite, .. } => Some(
+                        finite.iter().map(|root| root + Complex64::new(0.0, turning)).collect(),
+                    ),
+                    PencilRoots::Singular { .. } => None,
+                };
+            let rate = largest_rate(roots.as_deref()) * cr_cis(0.6 + 2.1 * index as f64);
+            let symbol = compare_wave(&residual, &system, wave_vector, rate);
+            let evolution = match roots {
+                Some(_) if index >= MAX_FOLLOWED => Evolution::NotFollowed,
+                Some(roots) => {
+                    let factors = wave_vector.map(|k| Complex64::new(0.0, k));
+                    follow_wave(&residual, &factors, &roots)
+                }
+                None => Evolution::Singular,
+            };
+            Ok(WaveComparison { symbol, evolution })
         })
         .collect()
 }
@@ -91,24 +130,13 @@ fn to_wave_vector(k: f64, direction: f64, elevation: f64) -> [f64; 3] {
 }
 
 /// Largest modulus of the roots at a wave, 1/s: a rate at which terms with time derivatives matter; 1 without roots.
-fn largest_rate(
-    workspace: &EquationsWorkspace,
-    model: &TextModel,
-    k: f64,
-    [direction, elevation]: [f64; 2],
-) -> Result<f64, AnalysisError> {
-    let found = match workspace.roots(model, k, direction, elevation)? {
-        PencilRoots::Regular { finite, .. } => {
-            finite.iter().map(|root| root.norm()).fold(0.0, f64::max)
-        }
-        PencilRoots::Singular { .. } => 0.0,
-    };
-    Ok(if found > 0.0 && found.is_finite() { found } else { 1.0 })
+fn largest_rate(roots: Option<&[Complex64]>) -> f64 {
+    let found = roots.unwrap_or(&[]).iter().map(|root| root.norm()).fold(0.0, f64::max);
+    if found > 0.0 && found.is_finite() { found } else { 1.0 }
 }
 
 fn compare_wave(
-    model: &TextModel,
-    state: &TextState,
+    residual: &PerturbedResidual,
     system: &LinearisedSystem<3>,
     wave_vector: [f64; 3],
     rate: Complex64,
@@ -116,8 +144,9 @@ fn compare_wave(
     let (rows, columns) = (system.equations.len(), system.unknowns.len());
     let factors = wave_vector.map(|k| Complex64::new(0.0, k));
     let (mut error, mut worst_entry) = (0.0f64, (0, 0));
+    let derivative = |orders| derivative_factor(orders, &factors, rate);
     for column in 0..columns {
-        let measured = measure_column(model, state, column, &factors, rate);
+        let measured = residual.measure_column(column, &derivative);
         for row in 0..rows {
             let (value, size, rounding) = symbol_entry(system, (row, column), &factors, rate);
             let own = match measured.as_ref().map(|own| own[row]) {
@@ -137,7 +166,7 @@ fn compare_wave(
             }
         }
     }
-    let wave_vector = wave_vector[..model.dimensions()].to_vec();
+    let wave_vector = wave_vector[..residual.model.dimensions()].to_vec();
     SymbolComparison { wave_vector, rate, error, worst_entry }
 }
 
@@ -193,42 +222,115 @@ impl Estimate {
     }
 }
 
-/// A column of the symbol by differences of the residual, with the rounding of each entry; `None` if the residual is
-/// defined at no pair of amplitudes.
-fn measure_column(
-    model: &TextModel,
-    state: &TextState,
-    column: usize,
-    factors: &[Complex64; 3],
-    rate: Complex64,
-) -> Option<Vec<(Complex64, f64)>> {
-    // Smaller changes would be lost to the rounding of the background's own value and derivatives.
-    let own = state.background.iter().filter(|(variable, _)| variable.unknown == column);
-    let smallest = own
-        .map(|(variable, value)| {
-            1e-10 * value.value.abs() / derivative_factor(variable.orders, factors, rate).norm()
-        })
-        .fold(0.0, f64::max);
-    let mut estimates = vec![Estimate::default(); model.equations().len()];
-    let mut narrow: Option<(Vec<Complex64>, Vec<f64>)> = None;
-    for exponent in AMPLITUDE_EXPONENTS {
-        let amplitude = f64::from(exponent).cr_exp2();
-        if amplitude < smallest {
-            continue;
-        }
-        let wide = difference(model, state, column, factors, rate, amplitude);
-        if let (Some((narrow, sizes)), Some((wide, _))) = (&narrow, &wide) {
-            for (row, estimate) in estimates.iter_mut().enumerate() {
-                let noise = 32.0 * f64::EPSILON * sizes[row] / (0.5 * amplitude);
-                estimate.add_pair(narrow[row], wide[row], noise);
+/// The nonlinear residual about a background.
+struct PerturbedResidual<'a> {
+    model: &'a TextModel,
+    state: &'a TextState,
+    /// Jet variables of the residual and their values at the background in its frame, ascending.
+    jets: Vec<(JetVariable, f64)>,
+}
+
+impl<'a> PerturbedResidual<'a> {
+    fn new(model: &'a TextModel, state: &'a TextState) -> Result<Self, EvaluationError> {
+        let jets = RefCell::new(Vec::new());
+        let jet = |variable: JetVariable| {
+            let value = model.background_jet(state, variable).value;
+            jets.borrow_mut().push((variable, value));
+            value
+        };
+        model.evaluate_residuals(state, &mut Vec::new(), jet, |_| 0.0)?;
+        let mut jets = jets.into_inner();
+        jets.sort_by_key(|(variable, _)| *variable);
+        Ok(Self { model, state, jets })
+    }
+
+    fn background(&self, variable: JetVariable) -> f64 {
+        let index = self.jets.binary_search_by_key(&variable, |(own, _)| *own);
+        index.map_or(0.0, |index| self.jets[index].1)
+    }
+
+    /// Largest order of the time derivatives of an unknown in the residual.
+    fn time_order(&self, unknown: usize) -> u8 {
+        let own = self.jets.iter().filter(|(variable, _)| variable.unknown == unknown);
+        own.map(|(variable, _)| variable.orders[0]).max().unwrap_or(0)
+    }
+
+    /// A column of the symbol by differences of the residual, with the rounding of each entry; `None` if the residual is
+    /// defined at no pair of amplitudes. The factor of each derivative of the Fourier field is that of `derivative`.
+    fn measure_column(
+        &self,
+        column: usize,
+        derivative: &dyn Fn(MultiIndex) -> Complex64,
+    ) -> Option<Vec<(Complex64, f64)>> {
+        // Smaller changes would be lost to the rounding of the background's own value and derivatives.
+        let own = self.state.background.iter().filter(|(variable, _)| variable.unknown == column);
+        let smallest = own
+            .map(|(variable, value)| (value.value.abs(), derivative(variable.orders).norm()))
+            .filter(|(_, factor)| *factor > 0.0)
+            .map(|(size, factor)| 1e-10 * size / factor)
+            .fold(0.0, f64::max);
+        let mut estimates = vec![Estimate::default(); self.model.equations().len()];
+        let mut narrow: Option<(Vec<Complex64>, Vec<f64>)> = None;
+        for exponent in AMPLITUDE_EXPONENTS {
+            let amplitude = f64::from(exponent).cr_exp2();
+            if amplitude < smallest {
+                continue;
+            }
+            let wide = self.difference(column, derivative, amplitude);
+            if let (Some((narrow, sizes)), Some((wide, _))) = (&narrow, &wide) {
+                for (row, estimate) in estimates.iter_mut().enumerate() {
+                    let noise = 32.0 * f64::EPSILON * sizes[row] / (0.5 * amplitude);
+                    estimate.add_pair(narrow[row], wide[row], noise);
+                }
+            }
+            narrow = wide;
+            if estimates.iter().all(|own| own.has_left_range) {
+                break;
             }
         }
-        narrow = wide;
-        if estimates.iter().all(|own| own.has_left_range) {
-            break;
-        }
+        estimates.into_iter().map(|own| own.best).collect()
     }
-    estimates.into_iter().map(|own| own.best).collect()
+
+    /// First Fourier coefficient of the central difference of the residual, divided by the amplitude, and the largest
+    /// magnitude of each residual; `None` where the residual is not defined.
+    fn difference(
+        &self,
+        column: usize,
+        derivative: &dyn Fn(MultiIndex) -> Complex64,
+        amplitude: f64,
+    ) -> Option<(Vec<Complex64>, Vec<f64>)> {
+        let (model, rows) = (self.model, self.model.equations().len());
+        let (mut sums, mut sizes) = (vec![Complex64::ZERO; rows], vec![0.0f64; rows]);
+        let mut registers = Vec::new();
+        for point in 0..POINT_COUNT {
+            let phase = cr_cis(TAU * point as f64 / POINT_COUNT as f64);
+            let field = |sign: f64, variable: JetVariable| {
+                if variable.unknown != column {
+                    return 0.0;
+                }
+                sign * amplitude * (phase * derivative(variable.orders)).re
+            };
+            for sign in [1.0, -1.0] {
+                let jet = |variable| self.background(variable) + field(sign, variable);
+                let velocity = |axis: usize| {
+                    model
+                        .velocity_unknown(axis)
+                        .map_or(0.0, |unknown| field(sign, JetVariable { unknown, orders: [0; 4] }))
+                };
+                let (found, terms) = model
+                    .evaluate_residuals_and_terms(self.state, &mut registers, jet, velocity)
+                    .ok()?;
+                for row in 0..rows {
+                    sums[row] += sign * found[row] * phase.conj();
+                    sizes[row] = sizes[row].max(terms[row]);
+                }
+            }
+        }
+        // Σ over points of Re(L ẑ e^(iφ)) e^(−iφ) is L ẑ POINT_COUNT/2; both signs count twice.
+        let scale = 1.0 / (POINT_COUNT as f64 * amplitude);
+        sums.iter_mut().for_each(|sum| *sum *= scale);
+        sums.iter().all(|sum| sum.is_finite()).then_some((sums, sizes))
+    }
 }
 
 /// Factor ςᵃ Π (ikᵢ)^bᵢ of a derivative of a Fourier field.
@@ -239,49 +341,6 @@ fn derivative_factor(
 ) -> Complex64 {
     let powers = factors.iter().zip(space).map(|(factor, power)| factor.powu(power.into()));
     rate.powu(time.into()) * powers.product::<Complex64>()
-}
-
-/// First Fourier coefficient of the central difference of the residual, divided by the amplitude, and the largest
-/// magnitude of each residual; `None` where the residual is not defined.
-fn difference(
-    model: &TextModel,
-    state: &TextState,
-    column: usize,
-    factors: &[Complex64; 3],
-    rate: Complex64,
-    amplitude: f64,
-) -> Option<(Vec<Complex64>, Vec<f64>)> {
-    let rows = model.equations().len();
-    let (mut sums, mut sizes) = (vec![Complex64::ZERO; rows], vec![0.0f64; rows]);
-    let mut registers = Vec::new();
-    for point in 0..POINT_COUNT {
-        let phase = cr_cis(TAU * point as f64 / POINT_COUNT as f64);
-        let field = |sign: f64, variable: JetVariable| {
-            if variable.unknown != column {
-                return 0.0;
-            }
-            sign * amplitude * (phase * derivative_factor(variable.orders, factors, rate)).re
-        };
-        for sign in [1.0, -1.0] {
-            let jet =
-                |variable| model.background_jet(state, variable).value + field(sign, variable);
-            let velocity = |axis: usize| {
-                model
-                    .velocity_unknown(axis)
-                    .map_or(0.0, |unknown| field(sign, JetVariable { unknown, orders: [0; 4] }))
-            };
-            let (found, terms) =
-                model.evaluate_residuals_and_terms(state, &mut registers, jet, velocity).ok()?;
-            for row in 0..rows {
-                sums[row] += sign * found[row] * phase.conj();
-                sizes[row] = sizes[row].max(terms[row]);
-            }
-        }
-    }
-    // Σ over points of Re(L ẑ e^(iφ)) e^(−iφ) is L ẑ POINT_COUNT/2; both signs count twice.
-    let scale = 1.0 / (POINT_COUNT as f64 * amplitude);
-    sums.iter_mut().for_each(|sum| *sum *= scale);
-    sums.iter().all(|sum| sum.is_finite()).then_some((sums, sizes))
 }
 
 #[cfg(test)]
@@ -326,9 +385,9 @@ mod tests {
     #[test]
     fn symbols_agree_to_the_rounding_of_differences() {
         let (model, mut state) = build_model();
-        let found = compare_symbols(&model, &mut state, 3.0, 12).expect("a state");
-        let largest = found.iter().map(|own| own.error).fold(0.0, f64::max);
-        assert!(found.iter().all(SymbolComparison::is_within_tolerance), "{found:?}");
+        let found = compare_waves(&model, &mut state, 3.0, 12).expect("a state");
+        let largest = found.iter().map(|own| own.symbol.error).fold(0.0, f64::max);
+        assert!(found.iter().all(|own| own.symbol.is_within_tolerance()), "{found:?}");
         assert!(largest < 1e-8, "{largest:e}");
     }
 
@@ -340,7 +399,8 @@ mod tests {
         model.linearise(&state, &mut TextWorkspace::default(), &mut system).expect("smooth");
         let (wave, rate) = ([2.0, -1.0, 0.0], Complex64::new(0.8, 1.9));
         let error = |system: &LinearisedSystem<3>| {
-            let comparison = compare_wave(&model, &state, system, wave, rate);
+            let residual = PerturbedResidual::new(&model, &state).expect("smooth");
+            let comparison = compare_wave(&residual, system, wave, rate);
             (comparison.error, comparison.worst_entry)
         };
         assert!(error(&system).0 < 1e-8);

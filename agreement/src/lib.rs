@@ -54,8 +54,10 @@ pub mod equations;
 pub mod fit;
 pub mod flows;
 pub mod scheme;
+pub mod shocks;
 pub mod solids;
 
+use models::common::decimal::format_exact;
 use models::yield_set::tangent::NoResponse;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -77,10 +79,14 @@ pub enum AgreementError {
     #[error("a solid without positive energy, or dependent active conditions")]
     IndefiniteEnergy,
     /// The background stress does not satisfy the active yield conditions with equality.
-    #[error("active conditions that no stress meets alone")]
+    #[error(
+        "active conditions that no stress satisfies with equality without violating another condition"
+    )]
     UnattainableConditions,
     /// Flow satisfying the active conditions has a plastic multiplier that is not positive.
-    #[error("active conditions of which flow leaves one")]
+    #[error(
+        "active conditions of which plastic flow unloads one (its plastic multiplier is not positive)"
+    )]
     NonPositiveMultiplier,
     /// The rate response of the yielding solid is not defined.
     #[error(transparent)]
@@ -97,7 +103,7 @@ pub enum AgreementError {
     #[error("no grids to measure on")]
     NoGrids,
     /// A simulation exceeds the allowed number of cell updates.
-    #[error("a wave of {updates:.1e} cell-updates at {wave_number} 1/m")]
+    #[error("a wave of {updates:.1e} cell-updates at {} 1/m", format_exact(*.wave_number))]
     TooManyCellUpdates {
         /// Number of cell updates: cells times steps.
         updates: f64,

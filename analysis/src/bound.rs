@@ -80,14 +80,7 @@ fn search_supremum(
     if low >= high {
         return None;
     }
-    let rate = |log_k: f64, direction: f64| {
-        pencil
-            .polynomial
-            .roots(unit * log_k.cr_exp(), direction, &[])
-            .iter()
-            .map(|root| root.re)
-            .fold(f64::NEG_INFINITY, f64::max)
-    };
+    let rate = |log_k: f64, direction: f64| growth_rate_at(pencil, log_k, direction);
     // Search coordinates (log k, position): the position is the direction θ, or asinh(k(θ − θ_c)) around a degenerate
     // direction θ_c.
     let mut centres = vec![None];
@@ -134,6 +127,21 @@ fn search_supremum(
         },
         direction: direction.rem_euclid(PI),
     })
+}
+
+/// Largest Re ς, 1/s, at the logarithm of the wave number in the scaled unit and a direction (rad).
+fn growth_rate_at(pencil: &Pencil, log_k: f64, direction: f64) -> f64 {
+    let wave_number = pencil.polynomial.wave_number_unit * log_k.cr_exp();
+    let roots = pencil.polynomial.roots(wave_number, direction, &[]);
+    roots.iter().map(|root| root.re).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Largest Re ς, 1/s, in a direction (rad) at `count` wave numbers from the smallest to the largest one of the search.
+pub(crate) fn sample_growth(pencil: &Pencil, direction: f64, count: usize) -> f64 {
+    let (low, high) = (MIN_WAVE_NUMBER.cr_ln(), MAX_WAVE_NUMBER.cr_ln());
+    let log_k = |index: usize| low + (high - low) * (index as f64 + 0.5) / count as f64;
+    let rates = (0..count).map(|index| growth_rate_at(pencil, log_k(index), direction));
+    rates.fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Local maximum near `start` by the simplex method (Nelder & Mead 1965): value and position.

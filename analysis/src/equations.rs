@@ -5,7 +5,7 @@ use crate::flows::FlowWorkspace;
 use crate::growth::{self, Assessment, Verdict};
 use crate::line::assess_line;
 use crate::pencil::{Pencil, PencilRoots};
-use crate::space::{SpaceWorkspace, assess_space};
+use crate::space::{self, SpaceAssessment, SpaceWorkspace, assess_space};
 use crate::{AnalysisError, StateError};
 use models::LinearisedSystem;
 use models::common::elementary::Elementary;
@@ -15,9 +15,9 @@ use models::equations::{TextModel, TextState, TextWorkspace};
 #[derive(Clone, Debug, Default)]
 pub struct EquationsWorkspace {
     text: TextWorkspace,
-    /// Linearised equations and pencil of the last state in one or two dimensions.
+    /// Linearised equations without eliminated unknowns, and pencil, of the last state in one or two dimensions.
     pub plane: FlowWorkspace,
-    /// Linearised equations of the last state in three dimensions.
+    /// Linearised equations of the last state in three dimensions without eliminated unknowns.
     pub space_system: LinearisedSystem<3>,
     space: SpaceWorkspace,
 }
@@ -25,10 +25,12 @@ pub struct EquationsWorkspace {
 /// Verdict on a state of a model given as equations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquationsAssessment {
-    /// The verdict with its evidence; in space that of the plane of wave vectors that decides, see [`space`](crate::space).
+    /// The verdict with its evidence; in space that of the plane of wave vectors that decides, see [`space`](mod@crate::space).
     pub assessment: Assessment,
     /// Unit wave vector of the fastest growth, with as many components as dimensions; `None` unless ill-posed.
     pub direction: Option<Vec<f64>>,
+    /// Unit vectors that span the plane that decides; `None` except in three dimensions.
+    pub plane: Option<[[f64; 3]; 2]>,
 }
 
 impl EquationsWorkspace {
@@ -45,12 +47,13 @@ impl EquationsWorkspace {
         model.solve_background(state, &mut self.text)?;
         model.check_background(state, &mut self.text)?;
         if model.dimensions() == 3 {
-            model.linearise(state, &mut self.text, &mut self.space_system)?;
+            model.linearise_reduced(state, &mut self.text, &mut self.space_system)?;
             let found = assess_space(&self.space_system, &mut self.space)?;
             let direction = found.direction.map(|own| own.to_vec());
-            return Ok(EquationsAssessment { assessment: found.assessment, direction });
+            let assessment = count_eliminated(model, found.assessment);
+            return Ok(EquationsAssessment { assessment, direction, plane: Some(found.plane) });
         }
-        model.linearise(state, &mut self.text, &mut self.plane.system)?;
+        model.linearise_reduced(state, &mut self.text, &mut self.plane.system)?;
         self.plane.pencil.update(&self.plane.system)?;
         let is_line = model.dimensions() == 1;
         let pencil = &self.plane.pencil;
@@ -63,22 +66,36 @@ impl EquationsWorkspace {
             }
             _ => None,
         };
-        Ok(EquationsAssessment { assessment, direction })
+        let assessment = count_eliminated(model, assessment);
+        Ok(EquationsAssessment { assessment, direction, plane: None })
     }
 
-    /// Supremum of Re ς over all waves of the last state, of a well-posed one; in space over the waves in the plane that
-    /// decides, with the direction inside it. `None` for other verdicts.
+    /// Supremum of Re ς over all waves of the last state, of a well-posed one, and the unit wave vector at which it is
+    /// attained or approached, with as many components as dimensions; `None` for other verdicts.
+    ///
+    /// # Errors
+    /// See [`AnalysisError`].
     pub fn locate_supremum(
         &self,
         model: &TextModel,
         assessment: &EquationsAssessment,
-    ) -> Option<Supremum> {
+    ) -> Result<Option<(Supremum, Vec<f64>)>, AnalysisError> {
         let found = &assessment.assessment;
-        match model.dimensions() {
-            1 => bound::locate_supremum_on_line(&self.plane.pencil, found, 0.0),
-            2 => bound::locate_supremum(&self.plane.pencil, found, 0.0),
-            _ => bound::locate_supremum(&self.space.pencil, found, 0.0),
-        }
+        let pencil = &self.plane.pencil;
+        Ok(match (model.dimensions(), &assessment.plane) {
+            (1, _) => bound::locate_supremum_on_line(pencil, found, 0.0)
+                .map(|supremum| (supremum, vec![1.0])),
+            (_, Some(plane)) => {
+                let own =
+                    SpaceAssessment { assessment: found.clone(), plane: *plane, direction: None };
+                space::locate_supremum(&self.space_system, &own)?
+                    .map(|(supremum, direction)| (supremum, direction.to_vec()))
+            }
+            _ => bound::locate_supremum(pencil, found, 0.0).map(|supremum| {
+                let (sin, cos) = supremum.direction.cr_sin_cos();
+                (supremum, vec![cos, sin])
+            }),
+        })
     }
 
     /// Roots of the last state at the wave number `k` (1/m), the direction of the wave vector from x₁ and its elevation
@@ -93,8 +110,15 @@ impl EquationsWorkspace {
         direction: f64,
         elevation: f64,
     ) -> Result<PencilRoots, AnalysisError> {
+        let eliminated = model.eliminated_count();
+        let count = |found| match found {
+            PencilRoots::Regular { finite, infinite } => {
+                PencilRoots::Regular { finite, infinite: infinite + eliminated }
+            }
+            PencilRoots::Singular { rank } => PencilRoots::Singular { rank: rank + eliminated },
+        };
         if model.dimensions() < 3 {
-            return Ok(self.plane.pencil.roots(k, direction));
+            return Ok(count(self.plane.pencil.roots(k, direction)));
         }
         // The plane through the wave vector and the axis x₃.
         let (sin, cos) = direction.cr_sin_cos();
@@ -102,6 +126,15 @@ impl EquationsWorkspace {
         let (mut system, mut pencil) = (LinearisedSystem::<2>::default(), Pencil::default());
         self.space_system.restrict_to_plane(&plane, &mut system);
         pencil.update(&system)?;
-        Ok(pencil.roots(k, elevation))
+        Ok(count(pencil.roots(k, elevation)))
     }
+}
+
+/// An assessment of the reduced equations with rank and number of unknowns of the whole model.
+fn count_eliminated(model: &TextModel, mut assessment: Assessment) -> Assessment {
+    if let Verdict::Indeterminate { rank, unknowns } = &mut assessment.verdict {
+        *rank += model.eliminated_count();
+        *unknowns += model.eliminated_count();
+    }
+    assessment
 }

@@ -3,8 +3,11 @@
 //! In each plane of wave vectors the analysis is that of two dimensions: exact in the direction inside the plane,
 //! layers included. Planes are taken through the axes x₃ and x₁, at steps of [`PLANE_STEP_DEG`]; every wave vector lies
 //! within half a step of one of them. Around the plane of fastest growth the angle is refined by golden-section search.
+//! Where the planes cross curves on which a leading coefficient vanishes, up to [`MAX_CURVE_POINTS`] of the crossings are
+//! assessed in the planes normal to the curve too, since a plane that touches a curve resolves its layer badly.
 
 use crate::AnalysisError;
+use crate::bound::{self, Supremum};
 use crate::growth::{self, Assessment, Verdict};
 use crate::line_search::search_golden_section;
 use crate::newton_polygon::GrowthOrder;
@@ -19,6 +22,21 @@ const PLANE_COUNT: usize = 24;
 /// Angle between neighbouring planes, degrees.
 pub const PLANE_STEP_DEG: f64 = 180.0 / PLANE_COUNT as f64;
 
+/// Largest number of points on curves of vanishing coefficients at which the plane normal to the curve is assessed.
+pub const MAX_CURVE_POINTS: usize = 64;
+
+/// Angle to the neighbouring plane by which the tangent of a curve is found, rad.
+const TANGENT_STEP: f64 = 1e-3;
+
+/// Planes and, in each, directions and wave numbers at which the search of the supremum starts.
+const SUPREMUM_SAMPLES: [usize; 3] = [6, 4, 6];
+
+/// Number of planes in which the supremum is searched one after another.
+const SUPREMUM_PLANES: usize = 4;
+
+/// Unit vectors that span a plane of wave vectors.
+type Plane = [[f64; 3]; 2];
+
 /// Verdict in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpaceAssessment {
@@ -26,7 +44,7 @@ pub struct SpaceAssessment {
     /// direction is the angle inside this plane.
     pub assessment: Assessment,
     /// Unit vectors that span this plane.
-    pub plane: [[f64; 3]; 2],
+    pub plane: Plane,
     /// Unit wave vector of the fastest growth; `None` unless ill-posed.
     pub direction: Option<[f64; 3]>,
 }
@@ -40,7 +58,7 @@ pub struct SpaceWorkspace {
 }
 
 /// Plane of wave vectors at the angle `angle` around the axis x₃ (`family` 0) or x₁ (`family` 1).
-fn span_plane(family: usize, angle: f64) -> [[f64; 3]; 2] {
+fn span_plane(family: usize, angle: f64) -> Plane {
     let (sin, cos) = angle.cr_sin_cos();
     match family {
         0 => [[cos, sin, 0.0], [0.0, 0.0, 1.0]],
@@ -49,7 +67,7 @@ fn span_plane(family: usize, angle: f64) -> [[f64; 3]; 2] {
 }
 
 /// Unit vector at the angle `angle` from the first of the unit vectors `plane`.
-pub fn direction_in_plane(plane: &[[f64; 3]; 2], angle: f64) -> [f64; 3] {
+pub fn direction_in_plane(plane: &Plane, angle: f64) -> [f64; 3] {
     let (sin, cos) = angle.cr_sin_cos();
     std::array::from_fn(|i| cos * plane[0][i] + sin * plane[1][i])
 }
@@ -63,12 +81,19 @@ pub fn assess_space(
     workspace: &mut SpaceWorkspace,
 ) -> Result<SpaceAssessment, AnalysisError> {
     let mut best: Option<(Rank, usize, f64, Assessment)> = None;
+    let mut curve_points: Vec<CurvePoint> = Vec::new();
     for family in 0..2 {
         for index in 0..PLANE_COUNT {
             let angle = PI * index as f64 / PLANE_COUNT as f64;
-            let found = assess_plane(system, family, angle, workspace)?;
+            let plane = span_plane(family, angle);
+            let found = assess_plane(system, &plane, workspace)?;
             let rank = Rank::new(&found.verdict);
             let is_singular = matches!(found.verdict, Verdict::Indeterminate { .. });
+            curve_points.extend(found.degenerate_directions.iter().map(|own| CurvePoint {
+                direction: direction_in_plane(&plane, own.angle),
+                family,
+                angle,
+            }));
             if best.as_ref().is_none_or(|own| rank.is_above(&own.0)) {
                 best = Some((rank, family, angle, found));
             }
@@ -78,29 +103,40 @@ pub fn assess_space(
             }
         }
     }
-    let Some((mut rank, family, mut angle, mut assessment)) = best else {
+    let Some((mut rank, family, angle, mut assessment)) = best else {
         return Err(AnalysisError::TooLarge(0));
     };
+    let mut plane = span_plane(family, angle);
     if let Rank::Growth { order, coefficient } = rank {
         let step = PI / PLANE_COUNT as f64;
         let rate = |at: f64| {
             let mut own = SpaceWorkspace::default();
-            match assess_plane(system, family, at, &mut own).map(|own| Rank::new(&own.verdict)) {
+            let found = assess_plane(system, &span_plane(family, at), &mut own);
+            match found.map(|own| Rank::new(&own.verdict)) {
                 Ok(Rank::Growth { order: found, coefficient }) if found == order => coefficient,
                 _ => 0.0,
             }
         };
-        let refined = locate_maximum(rate, angle - step, angle + step);
-        let found = assess_plane(system, family, refined, workspace)?;
+        let refined = span_plane(family, locate_maximum(rate, angle - step, angle + step));
+        let found = assess_plane(system, &refined, workspace)?;
         let own = Rank::new(&found.verdict);
         if matches!(own, Rank::Growth { order: found, coefficient: c } if found == order && c > coefficient)
         {
-            (rank, angle, assessment) = (own, refined, found);
+            (rank, plane, assessment) = (own, refined, found);
+        }
+    }
+    // Evenly spaced crossings: each plane meets a curve in few points.
+    let skipped = curve_points.len().div_ceil(MAX_CURVE_POINTS).max(1);
+    for point in curve_points.iter().step_by(skipped) {
+        let Some(normal) = point.normal_plane(system, workspace)? else { continue };
+        let found = assess_plane(system, &normal, workspace)?;
+        let own = Rank::new(&found.verdict);
+        if own.is_above(&rank) {
+            (rank, plane, assessment) = (own, normal, found);
         }
     }
     // Leave the pencil of the plane that decides in the workspace.
-    assess_plane(system, family, angle, workspace)?;
-    let plane = span_plane(family, angle);
+    assess_plane(system, &plane, workspace)?;
     let direction = match (&rank, &assessment.verdict) {
         (Rank::Growth { .. } | Rank::Unbounded, Verdict::IllPosed { direction, .. }) => {
             Some(to_upper_half(direction_in_plane(&plane, *direction)))
@@ -108,6 +144,131 @@ pub fn assess_space(
         _ => None,
     };
     Ok(SpaceAssessment { assessment, plane, direction })
+}
+
+/// A point at which a plane of one of both families crosses a curve on which a leading coefficient vanishes.
+struct CurvePoint {
+    direction: [f64; 3],
+    family: usize,
+    /// Angle of the plane.
+    angle: f64,
+}
+
+impl CurvePoint {
+    /// The plane through the point normal to the curve, whose tangent is that to the crossing of a neighbouring plane;
+    /// `None` if there is no curve, but a point, or the plane lies in the curve.
+    fn normal_plane(
+        &self,
+        system: &LinearisedSystem<3>,
+        workspace: &mut SpaceWorkspace,
+    ) -> Result<Option<Plane>, AnalysisError> {
+        let beside = span_plane(self.family, self.angle + TANGENT_STEP);
+        let found = assess_plane(system, &beside, workspace)?;
+        let nearest = found
+            .degenerate_directions
+            .iter()
+            .flat_map(|own| {
+                let other = direction_in_plane(&beside, own.angle);
+                [other, other.map(|x| -x)]
+            })
+            .map(|other| subtract(other, self.direction))
+            .min_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
+        let Some(tangent) = nearest else { return Ok(None) };
+        let length = dot(tangent, tangent).sqrt();
+        // Farther crossings are those of another curve; a point shared by the planes lies on their axis.
+        if !(1e-3 * TANGENT_STEP..=30.0 * TANGENT_STEP).contains(&length) {
+            return Ok(None);
+        }
+        Ok(span_with(self.direction, cross(self.direction, tangent)))
+    }
+}
+
+/// The plane of the unit vector `direction` and of another vector; `None` if both are parallel.
+fn span_with(direction: [f64; 3], other: [f64; 3]) -> Option<Plane> {
+    let along = dot(direction, other);
+    let normal = subtract(other, direction.map(|x| along * x));
+    let length = dot(normal, normal).sqrt();
+    (length > 1e-9 * dot(other, other).sqrt()).then(|| [direction, normal.map(|x| x / length)])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Supremum of Re ς over all waves of a well-posed system in space, and the unit wave vector at which it is attained or
+/// approached; `None` for other verdicts. The search starts from samples over directions and wave numbers and from the
+/// plane of `assessment`, and continues in planes through the best direction found, each normal to the one before.
+///
+/// # Errors
+/// See [`AnalysisError`].
+pub fn locate_supremum(
+    system: &LinearisedSystem<3>,
+    assessment: &SpaceAssessment,
+) -> Result<Option<(Supremum, [f64; 3])>, AnalysisError> {
+    if assessment.assessment.verdict != Verdict::WellPosed {
+        return Ok(None);
+    }
+    let mut workspace = SpaceWorkspace::default();
+    let mut best: Option<(Supremum, [f64; 3])> = None;
+    let mut search = |plane: &Plane, best: &mut Option<(Supremum, [f64; 3])>| {
+        let found = assess_plane(system, plane, &mut workspace)?;
+        if let Some(supremum) = bound::locate_supremum(&workspace.pencil, &found, 0.0)
+            && best.is_none_or(|(own, _)| supremum.growth_rate > own.growth_rate)
+        {
+            *best = Some((supremum, direction_in_plane(plane, supremum.direction)));
+        }
+        Ok::<(), AnalysisError>(())
+    };
+    search(&assessment.plane, &mut best)?;
+    let mut plane = assessment.plane;
+    if let Some(sampled) = sample_fastest_direction(system)? {
+        // A plane through the sample and any axis that is not parallel to it.
+        plane = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+            .into_iter()
+            .find_map(|axis| span_with(sampled, axis))
+            .unwrap_or(plane);
+        search(&plane, &mut best)?;
+    }
+    for _ in 1..SUPREMUM_PLANES {
+        let Some((before, direction)) = best else { break };
+        plane = span_with(direction, cross(plane[0], plane[1])).unwrap_or(plane);
+        search(&plane, &mut best)?;
+        // A maximum in two planes normal to each other is one over directions.
+        if best.is_none_or(|(own, _)| own.growth_rate <= before.growth_rate) {
+            break;
+        }
+    }
+    Ok(best.map(|(supremum, direction)| (supremum, to_upper_half(direction))))
+}
+
+/// Direction of the largest Re ς among samples over directions and wave numbers.
+fn sample_fastest_direction(
+    system: &LinearisedSystem<3>,
+) -> Result<Option<[f64; 3]>, AnalysisError> {
+    let [planes, directions, wave_numbers] = SUPREMUM_SAMPLES;
+    let mut workspace = SpaceWorkspace::default();
+    let mut best: Option<(f64, [f64; 3])> = None;
+    for index in 0..planes {
+        let plane = span_plane(0, PI * (index as f64 + 0.5) / planes as f64);
+        system.restrict_to_plane(&plane, &mut workspace.plane_system);
+        workspace.pencil.update(&workspace.plane_system)?;
+        for own in 0..directions {
+            let angle = PI * (own as f64 + 0.5) / directions as f64;
+            let rate = bound::sample_growth(&workspace.pencil, angle, wave_numbers);
+            if best.is_none_or(|(largest, _)| rate > largest) {
+                best = Some((rate, direction_in_plane(&plane, angle)));
+            }
+        }
+    }
+    Ok(best.map(|(_, direction)| direction))
 }
 
 /// Argument of the maximum of a function with one maximum, to 1e-7: enough for a coefficient to 1e-13.
@@ -123,11 +284,10 @@ fn to_upper_half(direction: [f64; 3]) -> [f64; 3] {
 
 fn assess_plane(
     system: &LinearisedSystem<3>,
-    family: usize,
-    angle: f64,
+    plane: &Plane,
     workspace: &mut SpaceWorkspace,
 ) -> Result<Assessment, AnalysisError> {
-    system.restrict_to_plane(&span_plane(family, angle), &mut workspace.plane_system);
+    system.restrict_to_plane(plane, &mut workspace.plane_system);
     workspace.pencil.update(&workspace.plane_system)?;
     Ok(growth::assess(&workspace.pencil))
 }

@@ -2,6 +2,7 @@
 
 mod requirements;
 
+use super::bundled::find_bundled_case;
 use super::check::{self, CheckOptions};
 use super::dynamics::{PlottedQuantity, SolidGrid, SolidRun, TimeFunction};
 use super::entries::{CaseEntries, find_model_kind};
@@ -12,7 +13,7 @@ use super::former_names::CaseHint;
 use super::keys::SweepParameter;
 use super::kind::{MediumKind, ModelKind};
 use super::map::{MapAxes, ParameterSweep};
-use super::material::{Material, check_dimensions, set_default_dimensions};
+use super::material::{Material, check_cell_counts, check_dimensions, set_default_dimensions};
 use super::missing_grid::missing_grid_error;
 use super::numbers::CaseNumbers;
 use super::plane_wave::{self, PlaneWaveOptions};
@@ -95,7 +96,8 @@ pub enum TimeDomainRun<'a> {
 }
 
 impl Case {
-    /// Reads a case file; `sets` are the `--set` options (`key=value`), which override its values.
+    /// Reads a case file, or, if no file has this path, the [bundled case](find_bundled_case) of this name; `sets` are the
+    /// `--set` options (`key=value`), which override its values.
     ///
     /// # Errors
     /// The file cannot be read, is larger than [`MAX_FILE_SIZE`] or is not TOML, or a key of the file or of an option
@@ -114,6 +116,11 @@ impl Case {
 
     fn load_for_purpose(path: &Path, sets: &[String], purpose: Purpose) -> Result<Self, CaseError> {
         let unreadable = |cause: String| CaseError::Unreadable { path: path.to_owned(), cause };
+        if path.symlink_metadata().is_err()
+            && let Some((bundled, text)) = find_bundled_case(&path.to_string_lossy())
+        {
+            return Self::parse_for_purpose(text, bundled, sets, purpose);
+        }
         let mut bytes = Vec::new();
         std::fs::File::open(path)
             .and_then(|file| file.take(MAX_FILE_SIZE + 1).read_to_end(&mut bytes))
@@ -168,7 +175,13 @@ impl Case {
         let rotation = kind.simulation_rotation().filter(|_| is_in_time);
         let is_solid = is_in_time && rotation.is_none();
         let read_grid = || SolidGrid::read(&entries.structured_reader(SchemaScope::default()));
-        let grid = is_solid.then(read_grid).transpose()?;
+        let grid = is_solid.then(read_grid).transpose();
+        // A list of the grid with another length than `grid.cells` may be right, and the cells wrong.
+        let is_list = |error: &CaseError| matches!(error, CaseError::Key { key, .. } if ["grid.spacing", "grid.origin"].contains(&key.as_str()));
+        let grid = grid.or_else(|error| match is_list(&error) {
+            true => check_cell_counts(&entries, kind).and(Err(error)),
+            false => Err(error),
+        })?;
         if let Some(grid) = &grid {
             set_default_dimensions(&mut entries, kind, grid.dimensions());
         }
@@ -396,11 +409,6 @@ impl Case {
         let flow = || self.flow_run.as_ref().map(TimeDomainRun::Flow);
         let found = self.solid_run.as_ref().map(TimeDomainRun::Solid).or_else(flow);
         found.ok_or_else(|| missing_grid_error(&self.material.positions, self.material.kind))
-    }
-
-    /// Adds the position in the section of the granular or porous medium to an input error of that medium.
-    pub fn locate_medium_error(&self, error: InputError) -> CaseError {
-        self.material.locate_medium_error(error)
     }
 
     /// Returns an error at a key of the plane wave problem.

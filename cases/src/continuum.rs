@@ -9,6 +9,7 @@ use super::error::CaseError;
 use super::kind::ModelKind;
 use super::numbers::ConstantValues;
 use super::periodic_blocks::SquareBlocks;
+use models::common::decimal::format_exact;
 use models::interface::continuum::OpeningLimit;
 use models::interface::homogenised::HomogenisedConstants;
 use models::interface::parameters::LayerMaterial;
@@ -62,7 +63,11 @@ impl Case {
     ) -> Result<EquivalentContinuum, CaseError> {
         let blocks = self.to_square_blocks()?;
         let Some(run) = &self.solid_run else {
-            return Err(self.material.positions.key_error("block", "missing", "a blocky medium"));
+            return Err(self.material.positions.key_error(
+                "block",
+                "missing",
+                "expected a blocky medium",
+            ));
         };
         let yield_set = self.convert_joint(&blocks, run, options)?;
         let constants = blocks.medium.homogenise().map_err(|error| self.locate_error(error))?;
@@ -128,7 +133,7 @@ impl Case {
         let index = own.clone().position(|joint| joint.law == blocks.joint).unwrap_or(0);
         let key = |name: &str| format!("joint[{index}].{name}");
         if options.cells_per_block == 0 {
-            let allowed = "at least one cell per block";
+            let allowed = "expected at least one cell per block";
             return Err(run.key_error("block[0].cells", "found 0 cells per block", allowed));
         }
         if matches!(blocks.joint.material, LayerMaterial::Elastic(_)) {
@@ -140,20 +145,20 @@ impl Case {
                 Some(_) => format!("joint[{index}]"),
                 None => key("kind"),
             };
-            let allowed = "elastic, elastic-plastic or breaking: the continuum has no viscosity, \
-                           pores or cracks; replace the kind, or see wellposed dispersion";
+            let allowed = "expected elastic, elastic-plastic or breaking: the continuum has no viscosity, \
+                           pores or cracks; wellposed dispersion has the waves of such joints";
             return Err(run.key_error(&path, format!("found {name}"), allowed));
         };
         if strength.slip.hardening > 0.0 {
-            let found = format!("found {:?}", strength.slip.hardening);
-            let allowed = "0: the interlayer yield set does not harden";
+            let found = format!("found {}", format_exact(strength.slip.hardening));
+            let allowed = "expected 0: the interlayer yield set does not harden";
             return Err(run.key_error(&key("slip_hardening"), found, allowed));
         }
         let set = strength.to_yield_set(blocks.medium.period, options.opening_limit);
         set.map(Some).ok_or_else(|| {
-            let allowed = "a friction above 0, or kind = \"breaking\" with a tensile_strength: \
+            let allowed = "expected a friction above 0, or kind = \"breaking\" with a tensile_strength: \
                            without both the joints carry any couple, the yield set does not";
-            run.key_error(&key("shear_friction"), "found 0.0", allowed)
+            run.key_error(&key("shear_friction"), "found 0", allowed)
         })
     }
 }
@@ -222,7 +227,9 @@ fn convert_run(
                 }
                 own.initial_terms.push(copy);
             }
-            InitialStateTerm::Rotation { .. } | InitialStateTerm::RigidRotation { .. } => {}
+            InitialStateTerm::Rotation { .. }
+            | InitialStateTerm::RigidRotation { .. }
+            | InitialStateTerm::Loosening { .. } => {}
         }
     }
     for (component, value) in &run.initial_stress {

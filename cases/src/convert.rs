@@ -7,6 +7,7 @@ use super::keys::{Key, keys};
 use super::kind::{ModelKind, join_names};
 use super::value::CaseValue;
 use models::InputError;
+use models::common::decimal::{format_exact, format_rounded};
 use models::flow::state::{Background, DeformingFlow, MaterialState, YieldRegion};
 use models::flow::{FlowKind, Model, RotationKind};
 
@@ -143,7 +144,7 @@ impl Case {
                 input: "kind",
                 rejected_value: format!("{}, a solid", self.material.kind.name()),
                 allowed_values: format!(
-                    "this needs a flow ({}); for solids see wellposed dispersion and speeds",
+                    "expected a flow ({}); for solids see wellposed dispersion and speeds",
                     join_names(&ModelKind::flow_kinds())
                 ),
             }),
@@ -180,7 +181,7 @@ impl Case {
                 continue;
             }
             let allowed = match name {
-                "model.dilatancy_angle_deg" => "0: simulated flows are isochoric",
+                "model.dilatancy_angle_deg" => "expected 0: simulated flows are isochoric",
                 "background.velocity" => "leave it out: the box moves with the mean flow",
                 _ => "leave it out: simulated mean flows are uniform",
             };
@@ -204,14 +205,15 @@ impl Case {
                 };
                 let location =
                     if region == YieldRegion::OutsideYield { "outside" } else { "inside" };
-                let found = format!("found {value:?}, {location} yield");
+                let found = format!("found {}, {location} yield", format_exact(value));
                 let allowed = "leave it out: simulated flows are at yield";
                 return Err(self.material.positions.key_error(key, found, allowed));
             }
         };
         let is_undecided = (2.0 * flow.rounded_noncoaxiality()).cos().sign().is_none();
         if flow.spin.is_some() && is_undecided {
-            let found = format!("found |Δ| = {:?}°", flow.noncoaxiality.abs().to_degrees());
+            let found =
+                format!("found |Δ| = {}°", format_rounded(flow.noncoaxiality.abs().to_degrees()));
             let allowed =
                 "use another value: at the bound the spin does not determine the stress angle";
             return Err(self.material.positions.key_error(

@@ -198,7 +198,6 @@ impl SolidRun {
             let excluded = [
                 ("joint", has_joints),
                 ("time.courant_of", time.courant_waves != CourantWaves::Fastest),
-                ("initial", !initial_terms.is_empty()),
                 ("initial_stress", initial_stress.iter().any(|own| own.1 != 0.0)),
                 ("gravity.balanced", gravity.as_ref().is_some_and(|own| own.is_balanced)),
             ];
@@ -208,8 +207,40 @@ impl SolidRun {
                 return Err(root.key_error(key, found, allowed));
             }
         }
+        for (index, term) in initial_terms.iter().enumerate() {
+            let is_loosening = matches!(term, InitialStateTerm::Loosening { .. });
+            let (found, allowed) = match (has_contacts, is_loosening) {
+                (true, _) if !term.is_allowed_with_contacts() => (
+                    "an initial stress beside a granular or porous medium",
+                    "a velocity, by uniform, pulse or rigid-rotation, or loosening",
+                ),
+                (false, true) => {
+                    ("loosening without a granular medium", "add a section [granular]")
+                }
+                _ => continue,
+            };
+            let key = format!("initial[{index}].kind");
+            return Err(root.key_error(&key, found, allowed));
+        }
+        if grid.is_polar() {
+            let excluded = [
+                ("time.courant_of", time.courant_waves != CourantWaves::Fastest),
+                ("source", !sources.is_empty()),
+                ("initial", !initial_terms.is_empty()),
+                ("initial_stress", initial_stress.iter().any(|own| own.1 != 0.0)),
+                ("gravity", gravity.is_some()),
+            ];
+            if let Some((key, _)) = excluded.into_iter().find(|own| own.1) {
+                let allowed = "leave it out: loads on the sides drive runs on polar grids";
+                return Err(root.key_error(key, "found beside a polar grid", allowed));
+            }
+        }
+        let two_cyclic_cause = match has_joints {
+            true => Some("joints between blocks"),
+            false => grid.is_polar().then_some("polar grids"),
+        };
         Ok(Self {
-            scheme: SchemeOptions::read(root, &time, (yields, has_joints, has_contacts))?,
+            scheme: SchemeOptions::read(root, &time, (yields, two_cyclic_cause, has_contacts))?,
             time,
             blocks,
             regions,

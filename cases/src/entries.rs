@@ -9,7 +9,7 @@ use super::kind::{MediumKind, ModelKind};
 use super::node::{Node, NodeTable, OptionError, format_segment};
 use super::schema::{CaseSchemas, SchemaScope};
 use super::section::SectionReader;
-use super::section_schemas::EQUATION_CASE_SCHEMAS;
+use super::section_schemas::{EQUATION_CASE_SCHEMAS, find_foreign_section};
 use super::value::{CaseValue, describe_value, find_similar_name, format_suggestion};
 use models::registry;
 use std::collections::BTreeMap;
@@ -133,11 +133,12 @@ impl<'a> CaseEntries<'a> {
             Err(CaseError::Key { position, key, found: found.to_owned(), allowed })
         };
         let Some((name, text)) = set.split_once('=') else {
-            return refused(set, "no '='", "write --set section.key=value".into());
+            return refused(set, "found no '='", "expected --set section.key=value".into());
         };
         let (name, text) = (name.trim(), text.trim());
         if name.is_empty() {
-            return refused(set, "no key before '='", "write --set section.key=value".into());
+            let allowed = "expected --set section.key=value".into();
+            return refused(set, "found no key before '='", allowed);
         }
         let name = &*self.hints.resolve_option_key(name, self.schemas, set);
         if self.schemas.has_section(root_section(name)) {
@@ -146,7 +147,11 @@ impl<'a> CaseEntries<'a> {
         let Some(key) = Key::find_by_name(name) else {
             if is_section(name) {
                 let inside = list_section_keys(name, |_| true).join(", ");
-                return refused(name, "a section", format!("name a key inside it: {inside}"));
+                return refused(
+                    name,
+                    "found a section",
+                    format!("expected a key inside it: {inside}"),
+                );
             }
             return Ok(Some(name.to_owned()));
         };
@@ -157,7 +162,10 @@ impl<'a> CaseEntries<'a> {
             Ok(value) if value.get_ref().is_str() => value.into_inner(),
             _ if matches!(key.storage, KeyStorage::Text) => bare(),
             Ok(value) => value.into_inner(),
-            Err(_) => bare(),
+            Err(error) => {
+                check_bare_text(text, &error, |found, allowed| refused(name, found, allowed))?;
+                bare()
+            }
         };
         self.insert(key, &value)?;
         Ok(None)
@@ -171,8 +179,17 @@ impl<'a> CaseEntries<'a> {
         text: &'a str,
     ) -> Result<(), CaseError> {
         // Quotes around a text are optional, since shells remove them.
-        let value = DeValue::parse(text).map(|value| value.into_inner());
-        let value = value.unwrap_or_else(|_| DeValue::String(text.into()));
+        let value = match DeValue::parse(text) {
+            Ok(value) => value.into_inner(),
+            Err(error) => {
+                let refused = |found: &str, allowed| {
+                    let (position, key) = (SourcePosition::Option(set.to_owned()), escape(name));
+                    Err(CaseError::Key { position, key, found: found.to_owned(), allowed })
+                };
+                check_bare_text(text, &error, refused)?;
+                DeValue::String(text.into())
+            }
+        };
         // Errors in any part of the value are reported at the option.
         let node = Node::from_toml(&value, name, &mut |_, _| {});
         // A number for a parameter or an unknown that is a table with a value replaces the value alone.
@@ -181,8 +198,14 @@ impl<'a> CaseEntries<'a> {
             && matches!(node, Node::Value(_))
             && self.structured_sections.has_table_with_value(name);
         let name = if is_value { &inner } else { name };
+        let kind = self.value("model.kind").and_then(CaseValue::as_text);
+        let kind = kind.and_then(ModelKind::from_name);
         let key = self.structured_sections.insert_at_key(name, node).map_err(
             |OptionError { key, found, allowed }| {
+                // A section of other models cannot be added to the file either.
+                let (found, allowed) = kind
+                    .and_then(|kind| find_foreign_section(kind, root_section(name)))
+                    .unwrap_or((found, allowed));
                 let (position, key) = (SourcePosition::Option(set.to_owned()), escape(&key));
                 CaseError::Key { position, key, found, allowed }
             },
@@ -356,6 +379,22 @@ impl<'a> CaseEntries<'a> {
             _ => Ok(0.0), // unreachable: the key table declares the key as a number
         }
     }
+}
+
+/// Checks that the value of an option that is not TOML may be a text without quotes: that it does not begin like a
+/// list, a table or a quoted text. The error is the result of `refused` for the fault and the remedy.
+fn check_bare_text(
+    text: &str,
+    error: &toml::de::Error,
+    refused: impl FnOnce(&str, String) -> Result<Option<String>, CaseError>,
+) -> Result<(), CaseError> {
+    if !text.starts_with(['[', '{', '"', '\'']) {
+        return Ok(());
+    }
+    let found = format!("found '{}', which is not TOML: {}", escape(text), escape(error.message()));
+    let allowed = "expected a list [1, 2], a table { key = value } or a text; in a shell, put the \
+                   option in single quotes, which keep the double quotes of texts";
+    refused(&found, allowed.to_owned()).map(drop)
 }
 
 /// Describes the allowed values of a key, for messages.

@@ -150,7 +150,7 @@ impl EquationsCase {
             let parameter = self.find_sweep_parameter(&parameter).ok_or_else(|| {
                 let names = self.sweep_names();
                 let near = find_similar_name(&parameter, names.iter().map(String::as_str));
-                let found = format!("no number is called '{}'", crate::error::escape(&parameter));
+                let found = format!("found '{}'", crate::error::escape(&parameter));
                 let allowed = format!("{}allowed: {}", format_suggestion(near), names.join(", "));
                 table.key_error("parameter", found, allowed)
             })?;
@@ -168,6 +168,12 @@ impl EquationsCase {
         let wave = ["wave.number", "wave.direction_deg", "wave.elevation_deg"];
         let own = self.slots.iter().map(|slot| slot.key.clone());
         own.chain(wave.map(str::to_owned)).collect()
+    }
+
+    /// Returns the keys of the parameters and of the numbers of the background, in the order of their values in
+    /// [`CaseNumbers::equation_numbers`].
+    pub(crate) fn sweep_keys(&self) -> impl Iterator<Item = &str> {
+        self.slots.iter().map(|slot| slot.key.as_str())
     }
 
     fn find_sweep_parameter(&self, name: &str) -> Option<SweepParameter> {

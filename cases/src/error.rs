@@ -1,5 +1,6 @@
 //! Errors of case files, with position, key, value found and values allowed.
 
+use crate::bundled::suggest_bundled_case;
 use std::path::PathBuf;
 
 /// Position in the input.
@@ -32,7 +33,11 @@ impl std::fmt::Display for SourcePosition {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CaseError {
     /// The file cannot be read, is too large, or has too many tables or keys.
-    #[error("{}: {cause}; name a case file (wellposed cases lists some, wellposed new writes one)", .path.display())]
+    #[error(
+        "{}: {cause}; {}expected a case file, or the name of a bundled case (see wellposed cases)",
+        .path.display(),
+        suggest_bundled_case(&.path.to_string_lossy())
+    )]
     Unreadable {
         /// Path of the file.
         path: PathBuf,

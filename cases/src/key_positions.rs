@@ -84,6 +84,11 @@ impl KeyPositions {
         self.position_table.lines.contains_key(name)
     }
 
+    /// Returns whether an option set a key.
+    pub(super) fn has_option(&self, key: &str) -> bool {
+        self.position_table.options.contains_key(key)
+    }
+
     /// Returns the full name of a key: in a region the name recorded by [`add_alias`](Self::add_alias), if any.
     fn resolve_alias<'k>(&'k self, key: &'k str) -> &'k str {
         self.aliases.get(key).map_or(key, String::as_str)

@@ -73,11 +73,11 @@ impl MediumKind {
 /// Error: a kind of model does not admit a yield set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{} does not admit the yield set {}; allowed: {}",
-    kind.name(),
+    "found {} for the model {}; allowed: {}",
     set.name,
+    kind.name(),
     match kind.admissible_yield_sets().as_slice() {
-        [] => "none, flow models have a built-in yield condition".to_owned(),
+        [] => "none: it has its own yield condition".to_owned(),
         sets => sets.iter().map(|set| set.name).collect::<Vec<_>>().join(", "),
     }
 )]

@@ -8,6 +8,7 @@ use super::kind::MediumKind;
 use super::numbers::CaseNumbers;
 use super::scalar_keys::wave_number_error;
 use super::value::{CaseValue, find_similar_name, format_suggestion};
+use models::common::decimal::{format_distinct, format_exact};
 
 /// Maximum number of points of a map.
 pub const MAX_MAP_POINTS: usize = 100_000_000;
@@ -115,7 +116,7 @@ impl MapAxes {
             return Err(positions.key_error(
                 "map.y.parameter",
                 format!("found {} on both axes", y.parameter.name()),
-                "sweep two different parameters",
+                "expected two different parameters",
             ));
         }
         if x.point_count.checked_mul(y.point_count).is_none_or(|points| points > MAX_MAP_POINTS) {
@@ -123,7 +124,7 @@ impl MapAxes {
                 if x.point_count > y.point_count { "map.x.points" } else { "map.y.points" };
             return Err(positions.key_error(
                 larger,
-                format!("a grid of {} × {} points", x.point_count, y.point_count),
+                format!("found a map of {} × {} points", x.point_count, y.point_count),
                 format!("expected at most {MAX_MAP_POINTS} points in total"),
             ));
         }
@@ -141,9 +142,20 @@ fn check_ends(
     let ParameterSweep { first_value: from, last_value: to, point_count: points, .. } = *sweep;
     let [from_key, to_key, points_key] =
         ["from", "to", "points"].map(|name| format!("{axis}.{name}"));
-    if points > 1 && from == to {
-        let found = format!("found {from:?} at both ends");
-        return Err(positions.key_error(&to_key, found, "give two different ends, or 1 point"));
+    if points > 1 && from >= to {
+        let [from, to] = format_distinct([from, to]);
+        let (found, allowed) = match from == to {
+            true => {
+                (format!("found {to} at both ends"), "expected to > from, or points = 1".into())
+            }
+            false => (
+                format!("found {to} with from = {from}"),
+                format!("expected to > from: exchange them, from = {to} and to = {from}"),
+            ),
+        };
+        // The option that set one of the ends, rather than the line of the other.
+        let key = if positions.has_option(&from_key) { from_key } else { to_key };
+        return Err(positions.key_error(&key, found, allowed));
     }
     // Larger counts are reported as a grid with too many points.
     if (2..=MAX_MAP_POINTS).contains(&points) {
@@ -191,16 +203,27 @@ fn check_spacing(
     if !range.is_finite() {
         // Report the end of larger magnitude.
         let key = if from.abs() > to.abs() { from_key } else { to_key };
-        let found = format!("found {from:?} … {to:?}, whose difference overflows");
-        return Err(positions.key_error(key, found, "give ends whose difference is finite"));
+        let found = format!(
+            "found {} … {}, whose difference overflows",
+            format_exact(from),
+            format_exact(to)
+        );
+        return Err(positions.key_error(key, found, "expected ends whose difference is finite"));
     }
     // Rounding changes a value of the sweep by at most 3/2 of `unit`: ε times the largest magnitude, but at least the
     // smallest subnormal double.
     let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
     if range.abs() / (points - 1) as f64 <= 4.0 * unit {
-        let found =
-            format!("found {points} points between {from:?} and {to:?}, too close to differ");
-        return Err(positions.key_error(points_key, found, "give fewer points, or a wider range"));
+        let found = format!(
+            "found {points} points between {} and {}, too close to differ",
+            format_exact(from),
+            format_exact(to)
+        );
+        return Err(positions.key_error(
+            points_key,
+            found,
+            "expected fewer points, or a wider range",
+        ));
     }
     Ok(())
 }
@@ -221,15 +244,20 @@ fn unknown_parameter_error(
     let mut meant = String::new();
     let found = match Key::find_by_name(name).or(component) {
         Some(key) if !key.is_used_by_kind(medium.kind) => {
-            format!("'{shown}' is not used by the model {}", medium.kind.name())
+            format!("found '{shown}', not used by the model {}", medium.kind.name())
         }
         Some(key) if !key.is_used_by(medium) => {
-            format!("'{shown}' is not used by {}", medium.title())
+            format!("found '{shown}', not used by {}", medium.title())
         }
-        Some(_) => format!("'{shown}' is not a single number"),
+        Some(_) => {
+            meant = format_suggestion(
+                names.iter().map(String::as_str).find(|own| own.starts_with(name)),
+            );
+            format!("found '{shown}', not a single number")
+        }
         None => {
             meant = format_suggestion(find_similar_name(name, names.iter().map(String::as_str)));
-            format!("no parameter is called '{shown}'")
+            format!("found '{shown}'")
         }
     };
     entries.positions.key_error(key, found, format!("{meant}allowed: {}", names.join(", ")))

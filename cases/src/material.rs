@@ -10,6 +10,8 @@ use super::plane_wave::ContactMedium;
 use super::scalar_keys;
 use super::section::SectionReader;
 use super::value::CaseValue;
+use crate::node::Node;
+use crate::schema::SchemaScope;
 use models::InputError;
 
 /// Kind of model, yield set and numbers of a medium, with the positions of their keys in the case file.
@@ -49,7 +51,7 @@ impl Material {
             &entries.positions,
         )?;
         let ModelKind::Solid(_) = kind else {
-            let allowed = format!("solids only: {}", join_names(&ModelKind::solid_kinds()));
+            let allowed = format!("expected one of {}", join_names(&ModelKind::solid_kinds()));
             return Err(entries.positions.key_error(
                 MODEL_KIND_KEY,
                 format!("found {}, a flow", kind.name()),
@@ -100,8 +102,8 @@ impl Material {
             return InputError {
                 input: "kind",
                 rejected_value: "a model given as equations".to_owned(),
-                allowed_values: "this needs a flow or a solid of the program; wellposed point, map and check take \
-                                 models given as equations"
+                allowed_values: "expected a flow or a solid of the program; wellposed point, map and check take models \
+                                 given as equations"
                     .to_owned(),
             };
         }
@@ -109,8 +111,8 @@ impl Material {
             input: "rheology",
             rejected_value: "a rheological scheme".to_owned(),
             allowed_values:
-                "this needs a flow or a solid; wellposed diagram computes the response of \
-                             a scheme"
+                "expected a flow or a solid; wellposed diagram computes the response of a \
+                             scheme"
                     .to_owned(),
         }
     }
@@ -213,6 +215,32 @@ pub(super) fn set_default_dimensions(
     }
 }
 
+/// Checks that `grid.cells` has as many entries as `model.dimensions` states.
+pub(super) fn check_cell_counts(entries: &CaseEntries, kind: ModelKind) -> Result<(), CaseError> {
+    let root = entries.structured_reader(SchemaScope::default());
+    let Some(Node::Table(grid)) = root.node("grid") else { return Ok(()) };
+    let cells = grid.node("cells").and_then(Node::as_value).and_then(|value| value.as_array());
+    let Some(count) = cells.map(|cells| cells.len()).filter(|count| [2, 3].contains(count)) else {
+        return Ok(());
+    };
+    let stated = match (kind, entries.value("model.dimensions")) {
+        (ModelKind::Solid(solid), _) if solid.is_plane => 2,
+        (_, Some(&CaseValue::Count(stated))) => stated,
+        _ => return Ok(()),
+    };
+    if stated == count || entries.positions.has_option("model.dimensions") {
+        return Ok(());
+    }
+    let found = format!("found {count} entries for a solid in {stated} dimensions");
+    let allowed = match stated {
+        2 => {
+            "expected 2 entries; in space also grid.spacing, grid.origin and all points have three"
+        }
+        _ => "expected 3 entries, as model.dimensions states; or set model.dimensions = 2",
+    };
+    Err(entries.positions.key_error("grid.cells", found, allowed))
+}
+
 /// Checks that a solid has as many dimensions as the grid.
 pub(super) fn check_dimensions(
     positions: &KeyPositions,
@@ -223,7 +251,7 @@ pub(super) fn check_dimensions(
     let d = grid_dimensions;
     if matches!(kind, ModelKind::Solid(solid) if solid.is_plane) {
         let found = format!("found {} in a grid of {d} dimensions", kind.name());
-        let allowed = "it is a solid in plane strain: grid.cells must have 2 entries";
+        let allowed = "expected 2 entries of grid.cells: this is a solid in plane strain";
         return if d == 2 {
             Ok(())
         } else {
@@ -232,7 +260,8 @@ pub(super) fn check_dimensions(
     }
     if dimensions != d {
         let found = format!("found {dimensions} in a grid of {d} dimensions");
-        let allowed = format!("give {d}, the number of entries of grid.cells, or leave it out");
+        let allowed =
+            format!("expected {d}, the number of entries of grid.cells; or leave the key out");
         return Err(positions.key_error("model.dimensions", found, allowed));
     }
     Ok(())

@@ -137,8 +137,8 @@ impl<'a> NodeTable<'a> {
         let Some(steps) = steps else {
             return Err(OptionError {
                 key: key.to_owned(),
-                found: "not a key".into(),
-                allowed: "write section.key or section[0].key, the index counted from 0".into(),
+                found: "found no key".into(),
+                allowed: "expected section.key or section[0].key, the index counted from 0".into(),
             });
         };
         let mut path = String::new();
@@ -170,19 +170,28 @@ impl<'a> NodeTable<'a> {
             return match self.node_mut(name) {
                 Some(Node::Table(table)) => table.insert_at_path(rest, path, node),
                 Some(Node::Tables(tables)) => refused(
-                    format!("a list of {}", tables.len()),
-                    format!("write {path}[0] with an index from 0 to {}", tables.len() - 1),
+                    format!("found no index for a list of {}", tables.len()),
+                    format!("expected {path}[i] with {}", describe_indices(tables.len())),
                 ),
-                _ => refused("not a section".into(), "a key inside it cannot be set".into()),
+                _ => refused(
+                    "found a key inside a value".into(),
+                    format!("expected {path}=VALUE: set the value as a whole"),
+                ),
             };
         };
         let count = match self.node_mut(name) {
             Some(Node::Tables(tables)) => tables.len(),
             Some(Node::Table(_)) => {
-                return refused(format!("the index {index}"), format!("{path} is not a list"));
+                return refused(
+                    format!("found the index {index}"),
+                    format!("expected {path}.KEY: {path} is not a list"),
+                );
             }
             Some(Node::Value(value)) if value.as_array().is_none_or(|list| !list.is_empty()) => {
-                return refused(format!("the index {index}"), "set the value as a whole".into());
+                return refused(
+                    format!("found the index {index}"),
+                    format!("expected {path}=VALUE: set the value as a whole"),
+                );
             }
             _ => 0,
         };
@@ -198,17 +207,19 @@ impl<'a> NodeTable<'a> {
                     (true, node) => Err(OptionError {
                         key: path.clone(),
                         found: format!("found {}", node.describe()),
-                        allowed: "name a key inside it, or give a table in braces".into(),
+                        allowed: format!(
+                            "expected {path}.KEY, or a table in braces {{ key = value }}"
+                        ),
                     }),
                 }
             }
             _ if count == 0 => refused(
-                format!("the index {index} of an empty list"),
-                format!("add [[{path}]] to the file first"),
+                format!("found the index {index}, but there is no [[{path}]]"),
+                format!("add a section [[{path}]] to the case file"),
             ),
             _ => refused(
-                format!("the index {index} of {count}"),
-                format!("expected an index from 0 to {}", count - 1),
+                format!("found the index {index}"),
+                format!("expected {}", describe_indices(count)),
             ),
         }
     }
@@ -238,6 +249,14 @@ impl<'a> NodeTable<'a> {
 
     fn node_mut(&mut self, name: &str) -> Option<&mut Node<'a>> {
         self.0.iter_mut().find(|(own, _)| own == name).map(|(_, node)| node)
+    }
+}
+
+/// Describes the indices of a list of `count` ≥ 1 tables.
+fn describe_indices(count: usize) -> String {
+    match count {
+        1 => "the index 0: the list has one section".to_owned(),
+        _ => format!("an index from 0 to {}", count - 1),
     }
 }
 

@@ -5,6 +5,7 @@ use super::dynamics::{Blocks, JointLaw, SolidRun};
 use super::error::CaseError;
 use super::kind::ModelKind;
 use super::material::Material;
+use models::common::decimal::{format_distinct, format_exact};
 use models::interface::homogenised::{BlockMaterial, BlockyMedium};
 use models::registry;
 use models::solid::parameters::Isotropic;
@@ -66,20 +67,21 @@ impl Case {
     /// different joints along one axis, or blocks that are not classical elastic solids.
     pub fn to_periodic_blocks(&self) -> Result<PeriodicBlocks, CaseError> {
         let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
-            let allowed = "a blocky medium: add [[block]] with cells, size and repeat in place of \
+            let allowed = "expected a blocky medium: add [[block]] with cells, size and repeat in place of \
                            [grid], and [[joint]] (wellposed new classical --run shows the sections)";
             return Err(self.material.positions.key_error("block", "missing", allowed));
         };
         if let Some(second) = blocks.entries.get(1) {
             let name = second.name.as_deref().map_or(String::new(), |name| format!(" '{name}'"));
             let found = format!("found a second kind of block{name}");
-            let allowed = "one kind of block that repeats: a periodic medium; keep one [[block]]";
+            let allowed =
+                "expected one kind of block, which repeats: a periodic medium; keep one [[block]]";
             return Err(run.key_error("block[1]", found, allowed));
         }
         let entry = &blocks.entries[0];
         if blocks.materials.len() > 1 {
             let found = format!("found {} materials", blocks.materials.len());
-            let allowed = "blocks of one material; give model in place of materials";
+            let allowed = "expected blocks of one material: give model in place of materials";
             return Err(run.key_error("block[0].materials", found, allowed));
         }
         let joints = [joint_along(0, run, blocks)?, joint_along(1, run, blocks)?];
@@ -107,17 +109,20 @@ impl Case {
         };
         let [width, height] = own.size;
         if (width - height).abs() > SIDE_TOLERANCE * width {
-            let found = format!("found blocks of {width:?} m × {height:?} m");
-            let allowed = "square blocks, equal along both axes";
+            let found = {
+                let [width, height] = format_distinct([width, height]);
+                format!("found blocks of {width} m × {height} m")
+            };
+            let allowed = "expected square blocks, equal along both axes";
             return Err(error("block[0].cells", found, allowed));
         }
         if own.row_shift != 0.0 {
-            let found = format!("found {:?} m", own.row_shift);
-            let allowed = "0: the equivalent continuum is that of aligned rows";
+            let found = format!("found {} m", format_exact(own.row_shift));
+            let allowed = "expected 0: the equivalent continuum is that of aligned rows";
             return Err(error("block[0].row_shift", found, allowed));
         }
         if own.has_yielding_blocks {
-            let allowed = "elastic blocks: yielding of blocks is not in the interlayer yield set; \
+            let allowed = "expected elastic blocks: yielding of blocks is not in the interlayer yield set; \
                            leave [yield] out";
             return Err(error("yield.kind", "found blocks that yield".into(), allowed));
         }
@@ -127,14 +132,15 @@ impl Case {
             format!("joint[{}]", joint.unwrap_or(0))
         };
         if first != second {
-            let found = format!("differs from {}, normal to x1", joint_key(0));
-            let allowed = "the same joints along both axes: the continuum of different joints is \
+            let found = format!("found other values than in {}, normal to x1", joint_key(0));
+            let allowed = "expected the same joints along both axes: the continuum of different joints is \
                            not supported; wellposed dispersion has their Bloch waves";
             return Err(error(&joint_key(1), found, allowed));
         }
         let Some(layer) = first.material.to_elastic_material() else {
             let found = format!("found {}", first.kind.name);
-            let allowed = "elastic, elastic-plastic or breaking: the continuum has no fluid";
+            let allowed =
+                "expected elastic, elastic-plastic or breaking: the continuum has no fluid";
             return Err(error(&format!("{}.kind", joint_key(0)), found, allowed));
         };
         let medium = BlockyMedium { block: own.material, layer, period: width };
@@ -155,8 +161,8 @@ fn first_joint(axis: usize, blocks: &Blocks) -> Option<u16> {
 fn joint_along(axis: usize, run: &SolidRun, blocks: &Blocks) -> Result<JointLaw, CaseError> {
     let name = axis + 1;
     let Some(first) = first_joint(axis, blocks) else {
-        let found = format!("no joint normal to x{name}");
-        let allowed = "joints between all blocks along both axes: add [[joint]] with every = \
+        let found = format!("found no joint normal to x{name}");
+        let allowed = "expected joints between all blocks along both axes: add [[joint]] with every = \
                        \"all\", and repeat at least 2 along both axes";
         return Err(run.key_error("joint", found, allowed));
     };
@@ -164,13 +170,14 @@ fn joint_along(axis: usize, run: &SolidRun, blocks: &Blocks) -> Result<JointLaw,
     for contact in blocks.contacts.iter().filter(|contact| contact.axis == axis) {
         match contact.joint_index {
             None => {
-                let found = format!("some neighbours along x{name} are welded");
-                let allowed = "joints between all blocks: add every = \"all\"";
+                let found = format!("found welded neighbours along x{name}");
+                let allowed = "expected joints between all blocks: add every = \"all\"";
                 return Err(run.key_error(&format!("joint[{first}]"), found, allowed));
             }
             Some(joint) if blocks.joints[usize::from(joint)].law != *law => {
-                let found = format!("differs from joint[{first}], also normal to x{name}");
-                let allowed = "one law of joints along each axis: a periodic medium";
+                let found =
+                    format!("found other values than in joint[{first}], also normal to x{name}");
+                let allowed = "expected one law of joints along each axis: a periodic medium";
                 return Err(run.key_error(&format!("joint[{joint}]"), found, allowed));
             }
             Some(_) => {}
@@ -183,7 +190,7 @@ fn joint_along(axis: usize, run: &SolidRun, blocks: &Blocks) -> Result<JointLaw,
 fn block_material(material: &Material) -> Result<BlockMaterial, CaseError> {
     let not_classical = || {
         let found = format!("found {}", material.kind.name());
-        let allowed = "classical: the blocks are classical elastic solids";
+        let allowed = "expected classical: the blocks are classical elastic solids";
         material.positions.key_error("model.kind", found, allowed)
     };
     let ModelKind::Solid(kind) = material.kind else { return Err(not_classical()) };

@@ -58,6 +58,8 @@ pub enum ContactMedium {
         yield_stress: Option<f64>,
         /// Coefficient c² of the intensity of shear stress.
         intensity_coefficient: f64,
+        /// Viscosities η_s of shear and η_v of volume of the particles, Pa·s; `None`: no relaxation.
+        viscosities: [Option<f64>; 2],
     },
     /// Section `[porous]`.
     Porous {
@@ -72,6 +74,8 @@ pub enum ContactMedium {
         contact_cone: Option<[f64; 2]>,
         /// Coefficient c² of the intensity of shear stress.
         intensity_coefficient: f64,
+        /// Viscosity η_p of plastic flow, Pa·s; `None` for flow without viscosity.
+        plastic_viscosity: Option<f64>,
     },
 }
 
@@ -183,6 +187,10 @@ fn read_granular(section: SectionReader) -> Result<ContactMedium, CaseError> {
         friction: section.read_required("friction")?,
         yield_stress: section.read_optional("yield_stress")?,
         intensity_coefficient: section.read_or_default("intensity_coefficient")?,
+        viscosities: [
+            section.read_optional("shear_viscosity")?,
+            section.read_optional("bulk_viscosity")?,
+        ],
     };
     section.finish()?;
     Ok(medium)
@@ -204,6 +212,10 @@ fn read_porous(section: SectionReader) -> Result<ContactMedium, CaseError> {
         contact_bulk_modulus: section.read_required("contact_bulk_modulus")?,
         contact_cone,
         intensity_coefficient: section.read_or_default("intensity_coefficient")?,
+        plastic_viscosity: match section.has_key("yield_stress") {
+            true => section.read_optional("plastic_viscosity")?,
+            false => None,
+        },
     };
     section.finish()?;
     Ok(medium)
@@ -265,15 +277,24 @@ impl ContactMedium {
 
     /// Formats the section as TOML.
     pub(super) fn to_toml(&self) -> String {
-        let with_limit = |text: TableWriter, limit: &Option<f64>| match limit {
-            Some(limit) => text.with_number("yield_stress", limit),
+        let with_number = |text: TableWriter, key: &'static str, value: &Option<f64>| match value {
+            Some(value) => text.with_number(key, value),
             None => text,
         };
+        let with_limit =
+            |text: TableWriter, limit: &Option<f64>| with_number(text, "yield_stress", limit);
         match self {
-            Self::Granular { friction, yield_stress, intensity_coefficient } => {
+            Self::Granular {
+                friction,
+                yield_stress,
+                intensity_coefficient,
+                viscosities: [shear_viscosity, bulk_viscosity],
+            } => {
                 let text = TableWriter::default().with_number("friction", friction);
-                with_limit(text, yield_stress)
-                    .with_number("intensity_coefficient", intensity_coefficient)
+                let text = with_limit(text, yield_stress)
+                    .with_number("intensity_coefficient", intensity_coefficient);
+                let text = with_number(text, "shear_viscosity", shear_viscosity);
+                with_number(text, "bulk_viscosity", bulk_viscosity)
                     .to_section_toml(&GRANULAR_SCHEMA)
             }
             Self::Porous {
@@ -282,9 +303,11 @@ impl ContactMedium {
                 contact_bulk_modulus,
                 contact_cone,
                 intensity_coefficient,
+                plastic_viscosity,
             } => {
                 let text = TableWriter::default().with_number("porosity", porosity);
-                let text = with_limit(text, yield_stress)
+                let text = with_limit(text, yield_stress);
+                let text = with_number(text, "plastic_viscosity", plastic_viscosity)
                     .with_number("contact_bulk_modulus", contact_bulk_modulus)
                     .with_number("intensity_coefficient", intensity_coefficient);
                 match contact_cone {

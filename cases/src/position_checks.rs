@@ -7,6 +7,27 @@ use crate::section::{SectionReader, join_with_commas};
 /// origin + cells × spacing differs from the intended decimal number by rounding (100 × 0.29 < 29).
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
+/// Domain of positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PositionDomain {
+    /// Rectangular grid.
+    Grid,
+    /// Polar grid, with the angle in degrees along the first axis.
+    PolarGrid,
+    /// Box of a flow.
+    Box,
+}
+
+impl PositionDomain {
+    /// Returns the name in messages.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Grid | Self::PolarGrid => "grid",
+            Self::Box => "box",
+        }
+    }
+}
+
 /// Checks that a position, the value of `key` along `axes`, is within the `bounds` of the grid or box.
 pub(crate) fn check_position(
     section: &SectionReader,
@@ -14,8 +35,9 @@ pub(crate) fn check_position(
     position: &[f64],
     axes: &[usize],
     bounds: &[[f64; 2]],
-    domain_name: &str,
+    domain: PositionDomain,
 ) -> Result<(), CaseError> {
+    let domain_name = domain.name();
     let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
         let tolerance = RELATIVE_TOLERANCE * (last - first);
         (first - tolerance..=last + tolerance).contains(x)
@@ -33,7 +55,9 @@ pub(crate) fn check_position(
         .zip(bounds)
         .map(|(axis, [first, last])| {
             let [from, to] = [first, last].map(|x| round_to_zero(*x, last - first));
-            format!("x{} from {from:?} to {to:?} m", axis + 1)
+            let unit =
+                if domain == PositionDomain::PolarGrid && *axis == 0 { "degrees" } else { "m" };
+            format!("x{} from {from:?} to {to:?} {unit}", axis + 1)
         })
         .collect();
     let found = format!("found {position:?}, outside the {domain_name}");

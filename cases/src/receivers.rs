@@ -2,7 +2,7 @@
 
 use super::error::CaseError;
 use super::named_enum::named_enum;
-use super::position_checks::check_position;
+use super::position_checks::{PositionDomain, check_position};
 use super::section::{SectionReader, TableWriter, join_with_commas};
 use super::value::{parse_count, parse_list};
 use crate::schema::{KeyCondition, KeySchema, ListLength, TableSchema, ValueType};
@@ -105,13 +105,12 @@ impl<F: Display> ReceiverPoint<F> {
 }
 
 /// Domain in which receivers are placed.
-pub(super) struct ReceiverDomain<'a> {
+pub(super) struct ReceiverDomain {
     /// Schema of the entries.
     pub(super) schema: &'static TableSchema,
     /// Lower and upper bound along each axis, m.
     pub(super) bounds: Vec<[f64; 2]>,
-    /// Name of the domain in messages.
-    pub(super) name: &'a str,
+    pub(super) domain: PositionDomain,
     /// Whether receivers have the key `interpolation`.
     pub(super) has_interpolation: bool,
 }
@@ -140,7 +139,7 @@ pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
             return Err(root.key_error(
                 "receiver",
                 found,
-                format!("at most {MAX_RECEIVERS} in total"),
+                format!("expected at most {MAX_RECEIVERS} in total"),
             ));
         }
         let interpolation = match domain.has_interpolation {
@@ -187,7 +186,7 @@ fn compute_points(
     let d = domain.bounds.len();
     let axes: Vec<usize> = (0..d).collect();
     let is_inside = |section: &SectionReader, key: &str, at: &[f64]| {
-        check_position(section, key, at, &axes, &domain.bounds, domain.name)
+        check_position(section, key, at, &axes, &domain.bounds, domain.domain)
     };
     let from: Option<Vec<f64>> = section.read_optional("from")?;
     let Some(from) = from else {
@@ -232,7 +231,7 @@ fn compute_points(
         return Err(section.key_error(
             "count",
             found,
-            format!("at most {MAX_POINTS_PER_ENTRY} points in total"),
+            format!("expected at most {MAX_POINTS_PER_ENTRY} points in total"),
         ));
     };
     let mut points = Vec::with_capacity(total);

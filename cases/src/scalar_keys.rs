@@ -1,13 +1,14 @@
 //! Reading of the scalar keys of a case: name, yield set, active conditions, numbers and kinds to compare.
 
-use super::entries::{CaseEntries, describe_allowed_values, find_model_kind};
+use super::entries::CaseEntries;
 use super::error::{CaseError, escape};
 use super::key_positions::KeyPositions;
 use super::keys::{Key, Presence, keys};
 use super::kind::{MediumKind, ModelKind, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
-use super::types::is_name_too_long;
+use super::types::{MAX_NAME_LENGTH, is_name_too_long};
 use super::value::{CaseValue, find_similar_name, format_suggestion};
+use models::common::decimal::format_exact;
 use models::registry;
 use std::path::Path;
 
@@ -19,8 +20,10 @@ pub(super) fn read_name(entries: &CaseEntries, file: &str) -> Result<String, Cas
     let is_dots = |name: &str| name.chars().all(|c| c == '.');
     if let Some(CaseValue::Text(name)) = entries.value(NAME_KEY) {
         if is_dots(name) || !name.chars().all(may_stand) || is_name_too_long(name) {
-            let allowed =
-                Key::find_by_name(NAME_KEY).map_or(String::new(), describe_allowed_values);
+            let allowed = format!(
+                "expected 1 to {MAX_NAME_LENGTH} letters, digits, '-', '_' and '.', not only dots: the results go to \
+                 the folder out/<name>; --out DIR names any other"
+            );
             let found = format!("found '{}'", escape(name));
             return Err(entries.positions.key_error(NAME_KEY, found, allowed));
         }
@@ -46,7 +49,7 @@ pub(super) fn read_yield_set(
         return match entries.has_section("stress") && !kind.admissible_yield_sets().is_empty() {
             true => Err(entries.positions.key_error(
                 "stress",
-                "a stress without a yield set",
+                "found without a yield set",
                 "add a section [yield], or leave this one out: elastic waves do not depend on the stress",
             )),
             false => Ok(None),
@@ -54,7 +57,7 @@ pub(super) fn read_yield_set(
     }
     let sets = kind.admissible_yield_sets();
     if sets.is_empty() {
-        let found = format!("a yield set for the model {}", kind.name());
+        let found = format!("found for the model {}", kind.name());
         return Err(entries.positions.key_error(
             "yield",
             found,
@@ -92,7 +95,7 @@ pub(super) fn read_active_conditions(
         return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, found, allowed));
     }
     if entries.has_section("stress") {
-        let found = "active conditions beside a section [stress]";
+        let found = "found beside a section [stress]";
         return Err(entries.positions.key_error(
             YIELD_ACTIVE_KEY,
             found,
@@ -118,8 +121,8 @@ pub(super) fn read_active_conditions(
         active.push(index);
     }
     if active.is_empty() {
-        let allowed = format!("name at least one of {}", known.join(", "));
-        return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, "an empty list", allowed));
+        let allowed = format!("expected at least one of {}", known.join(", "));
+        return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, "found an empty list", allowed));
     }
     Ok(Some(active))
 }
@@ -178,7 +181,7 @@ pub(super) fn read_numbers(
     }
     let elevation = numbers.wave.elevation_deg;
     if numbers.dimensions == 2 && elevation != 0.0 {
-        let found = format!("found {elevation:?} in plane strain");
+        let found = format!("found {} in plane strain", format_exact(elevation));
         let allowed = "expected 0, or model.dimensions = 3";
         return Err(entries.positions.key_error("wave.elevation_deg", found, allowed));
     }
@@ -198,7 +201,8 @@ pub(super) fn read_numbers(
 }
 
 pub(super) fn wave_number_error(positions: &KeyPositions, key: &str, found: f64) -> CaseError {
-    positions.key_error(key, format!("found {found:?}"), "a wave number must be positive")
+    let found = format!("found {}", format_exact(found));
+    positions.key_error(key, found, "expected a positive number in 1/m")
 }
 
 /// Reads the kinds of model of `[compare]`.
@@ -212,15 +216,18 @@ pub(super) fn read_compared_kinds(
     let mut kinds = Vec::new();
     if let CaseValue::TextList(listed) = entries.require_value(COMPARE_KINDS_KEY)? {
         for name in listed {
-            let kind = find_model_kind(name, COMPARE_KINDS_KEY, &entries.positions)?;
-            if let ModelKind::Solid(_) = kind {
-                let allowed = format!("flows only: {}", join_names(&ModelKind::flow_kinds()));
-                return Err(entries.positions.key_error(
-                    COMPARE_KINDS_KEY,
-                    format!("found {name}, a solid"),
-                    allowed,
-                ));
-            }
+            let flows = ModelKind::flow_kinds();
+            let Some(&kind) = flows.iter().find(|kind| kind.name() == name) else {
+                let similar = find_similar_name(name, flows.iter().map(|kind| kind.name()));
+                let (note, meant) = match ModelKind::from_name(name) {
+                    Some(_) => (", a solid", None),
+                    None => ("", similar),
+                };
+                let allowed =
+                    format!("{}allowed: {}", format_suggestion(meant), join_names(&flows));
+                let found = format!("found '{}'{note}", escape(name));
+                return Err(entries.positions.key_error(COMPARE_KINDS_KEY, found, allowed));
+            };
             if kinds.contains(&kind) {
                 let found = format!("found {name} twice");
                 return Err(entries.positions.key_error(
@@ -235,8 +242,8 @@ pub(super) fn read_compared_kinds(
     if kinds.is_empty() {
         return Err(entries.positions.key_error(
             COMPARE_KINDS_KEY,
-            "an empty list",
-            "name at least one kind of model",
+            "found an empty list",
+            format!("expected at least one of {}", join_names(&ModelKind::flow_kinds())),
         ));
     }
     Ok(Some(kinds))

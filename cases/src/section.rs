@@ -7,6 +7,7 @@ use super::value::{CaseValue, find_similar_name, format_suggestion};
 use crate::schema::{
     KeyCondition, KeyPresence, KeySchema, SchemaScope, TableLayout, TableSchema, ValueType,
 };
+use crate::section_schemas::simulation_schemas;
 use std::fmt::{Debug, Display};
 use toml::de::DeValue;
 
@@ -248,8 +249,8 @@ impl<'a> SectionReader<'a> {
         for name in given {
             let own = find(&name).ok_or_else(|| self.unknown_name_error(key, &name, among))?;
             if all.contains(&own) {
-                let found = format!("found '{name}' twice");
-                return Err(self.key_error(key, found, "name each once"));
+                let found = format!("found '{}' twice", escape(&name));
+                return Err(self.key_error(key, found, "expected each name once"));
             }
             all.push(own);
         }
@@ -375,8 +376,61 @@ impl<'a> SectionReader<'a> {
             }
         }
         match self.entries().find(|(name, _)| !names.contains(name)) {
-            Some((name, _)) => Err(self.unknown_key_error(name, &names)),
+            Some((name, _)) => Err(self.unused_key_error(name, &names)),
             None => Ok(()),
+        }
+    }
+
+    /// Returns the error of a key that is not allowed here: one of the schema whose conditions do not hold, one of another
+    /// section, or an unknown one. `names` are the allowed keys.
+    fn unused_key_error(&self, name: &str, names: &[&'static str]) -> CaseError {
+        let mut rows = self.schema.keys().filter(|(_, item)| item.name == name);
+        if let Some((when, item)) = rows.next() {
+            let unmet = when.iter().chain(item.conditions).find(|own| !self.is_satisfied(own));
+            if let Some(condition) = unmet.filter(|_| rows.next().is_none()) {
+                let (found, allowed) = self.describe_unmet_condition(condition);
+                return self.key_error(name, found, allowed);
+            }
+        }
+        // A section of the simulation has the key.
+        let schemas = self.scope.kind.map(simulation_schemas).unwrap_or_default();
+        let is_top_level = schemas.iter().any(|own| own.name == self.path);
+        let owner = schemas.into_iter().find(|own| {
+            own.layout == TableLayout::Section && own.keys().any(|(_, item)| item.name == name)
+        });
+        match owner.filter(|_| is_top_level) {
+            Some(owner) => {
+                let allowed = format!(
+                    "did you mean '{}.{name}'? allowed here: {}",
+                    owner.name,
+                    join_with_commas(names)
+                );
+                self.key_error(&format_segment(name), "unknown key", allowed)
+            }
+            None => self.unknown_key_error(name, names),
+        }
+    }
+
+    /// Describes the fault of a key whose condition does not hold, and the remedy.
+    fn describe_unmet_condition(&self, condition: &KeyCondition) -> (String, String) {
+        let not_here = "found, but not used here".to_owned();
+        match condition {
+            KeyCondition::HasValue(key, values) => {
+                let found = self.node(key).and_then(Node::as_text);
+                let found = found.map_or(String::new(), |own| format!(", here '{}'", escape(&own)));
+                let values = values.join(" or ");
+                (not_here, format!("leave it out: it is used with {key} {values}{found}"))
+            }
+            KeyCondition::Present(key) => {
+                (not_here, format!("leave it out: it is used beside {key} only"))
+            }
+            KeyCondition::Absent(key) => {
+                (format!("found beside {key}"), "give one of them".to_owned())
+            }
+            KeyCondition::PlaneStrain => {
+                (not_here, "leave it out: it is used in plane strain only".to_owned())
+            }
+            KeyCondition::Space => (not_here, "leave it out: it is used in space only".to_owned()),
         }
     }
 

@@ -64,30 +64,7 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
         always.chain(&own).any(|table_schema| table_schema.name == name)
     };
     if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
-        let found = match kind {
-            ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
-            ModelKind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
-            ModelKind::Rheology => "found for a rheological scheme".to_owned(),
-            ModelKind::Equations => "found for a model given as equations".to_owned(),
-        };
-        let allowed = match kind {
-            ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
-                "leave it out: this model does not determine the spin, so that it cannot be \
-                 simulated"
-                    .to_owned()
-            }
-            _ if foreign == "limits" => {
-                let owners = ModelKind::flow_kinds();
-                let is_coaxial =
-                    |kind: &&ModelKind| matches!(kind, ModelKind::Flow(flow) if flow.is_coaxial());
-                let owners: Vec<ModelKind> = owners.iter().filter(is_coaxial).copied().collect();
-                format!("leave it out: it belongs to {}", join_names(&owners))
-            }
-            _ => {
-                let own: Vec<&str> = own.iter().map(|table_schema| table_schema.name).collect();
-                format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
-            }
-        };
+        let (found, allowed) = find_foreign_section(kind, foreign).unwrap_or_default();
         return Err(root.key_error(foreign, found, allowed));
     }
     let first = own.iter().map(|table_schema| table_schema.name).find(|name| root.has_key(name));
@@ -96,11 +73,47 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
         Some("grid" | "block") => Ok(true),
         Some(name) => {
             let size = if let ModelKind::Flow(_) = kind { "length" } else { "spacing" };
-            let allowed =
-                format!("add a section [grid] with cells and {size}, or leave this one out");
-            Err(root.key_error(name, "found without a grid", allowed))
+            let allowed = format!(
+                "add a section [grid] with cells and {size}, which runs need; or leave [{name}] out"
+            );
+            Err(root.key_error(name, format!("found [{name}], but no [grid]"), allowed))
         }
     }
+}
+
+/// Returns fault and remedy of a section that the kind of model does not use; `None` if the kind uses it or it is no
+/// structured section.
+pub(crate) fn find_foreign_section(kind: ModelKind, foreign: &str) -> Option<(String, String)> {
+    let own = simulation_schemas(kind);
+    let always = plane_wave::PLANE_WAVE_SCHEMAS.iter().chain([&&check::SCHEMA]);
+    if always.chain(&own).any(|table_schema| table_schema.name == foreign) {
+        return None;
+    }
+    let found = match kind {
+        ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
+        ModelKind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
+        ModelKind::Rheology => "found for a rheological scheme".to_owned(),
+        ModelKind::Equations => "found for a model given as equations".to_owned(),
+    };
+    let allowed = match kind {
+        ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
+            "leave it out: this model does not determine the spin, so that it cannot be \
+             simulated"
+                .to_owned()
+        }
+        _ if foreign == "limits" => {
+            let owners = ModelKind::flow_kinds();
+            let is_coaxial =
+                |kind: &&ModelKind| matches!(kind, ModelKind::Flow(flow) if flow.is_coaxial());
+            let owners: Vec<ModelKind> = owners.iter().filter(is_coaxial).copied().collect();
+            format!("leave it out: it belongs to {}", join_names(&owners))
+        }
+        _ => {
+            let own: Vec<&str> = own.iter().map(|table_schema| table_schema.name).collect();
+            format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
+        }
+    };
+    Some((found, allowed))
 }
 
 #[cfg(test)]

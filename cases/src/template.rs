@@ -363,7 +363,7 @@ fn format_map_section(medium: MediumKind) -> String {
 }
 
 /// Returns example axes of a map.
-fn choose_example_axes(medium: MediumKind) -> [String; 2] {
+pub(crate) fn choose_example_axes(medium: MediumKind) -> [String; 2] {
     let axis = |parameter: &str, from: f64, to: f64, points: usize| {
         format!(
             "{{ parameter = \"{parameter}\", from = {from:?}, to = {to:?}, points = {points} }}"

@@ -2,6 +2,7 @@
 
 use crate::schema::{AllowedRange, CountConstraint, KeySchema, ListLength, SchemaScope, ValueType};
 use crate::value::{self, CaseValue, parse_list};
+use models::common::decimal::format_rounded;
 use std::fmt::Write;
 use toml::de::DeValue;
 
@@ -11,10 +12,14 @@ fn describe_number(range: AllowedRange) -> String {
         AllowedRange::Finite => "a finite number".into(),
         AllowedRange::Positive => "a positive number".into(),
         AllowedRange::NotNegative => "a number of at least 0".into(),
-        AllowedRange::PositiveUpTo(most) => format!("a number above 0 and at most {most}"),
-        AllowedRange::PositiveBelow(limit) => format!("a number between 0 and {limit}"),
+        AllowedRange::PositiveUpTo(most) => {
+            format!("a number above 0 and at most {}", format_rounded(most))
+        }
+        AllowedRange::PositiveBelow(limit) => {
+            format!("a number between 0 and {}", format_rounded(limit))
+        }
         AllowedRange::NotNegativeBelow(limit) => {
-            format!("a number of at least 0 and below {limit}")
+            format!("a number of at least 0 and below {}", format_rounded(limit))
         }
     }
 }
@@ -50,7 +55,7 @@ impl ValueType {
     pub(crate) fn describe(&self, scope: &SchemaScope) -> String {
         match *self {
             Self::Text => "text in quotes".into(),
-            Self::Name => format!("text in quotes, at most {MAX_NAME_LENGTH} characters"),
+            Self::Name => format!("a name of 1 to {MAX_NAME_LENGTH} characters"),
             Self::TextList => "a list of texts in brackets".into(),
             Self::Hexadecimal => "eight hexadecimal digits in quotes".into(),
             Self::Boolean => "true or false".into(),
@@ -84,7 +89,7 @@ impl ValueType {
                     format!("a list of {many} even whole numbers of at least {least}")
                 }
                 CountConstraint::Ascending => {
-                    format!("two to {many} ascending whole numbers of at least {least}")
+                    format!("a list of {few} to {many} ascending whole numbers of at least {least}")
                 }
             },
             Self::ModeNumbers => "a list of 2 whole numbers, not both 0".into(),

@@ -197,23 +197,79 @@ pub(super) fn format_short_list(value: &DeValue) -> Option<String> {
     items.map(|items| format!("[{}]", items.join(", ")))
 }
 
-/// Finds the candidate most similar to a misspelt name (normalised Damerau–Levenshtein similarity), if similar enough.
+/// Finds the candidate most similar to a misspelt name, if similar enough.
 pub(super) fn find_similar_name<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    const MIN_SIMILARITY: f64 = 0.3; // about a third of the letters agree
+    const MIN_SIMILARITY: f64 = 0.5; // half of the letters agree
     let name: String = name.chars().take(80).collect();
     candidates
         .into_iter()
-        .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
+        .map(|candidate| (name_similarity(&name, candidate), candidate))
         .filter(|(likeness, _)| *likeness >= MIN_SIMILARITY)
         // Of equally similar candidates the first one.
         .reduce(|best, other| if other.0 > best.0 { other } else { best })
         .map(|(_, candidate)| candidate)
 }
 
+/// Computes the similarity, 0 to 1, of a misspelt name and a candidate: the normalised Damerau–Levenshtein similarity to
+/// the candidate, or, slightly less, to the start of a longer one, so that `fricton` is similar to `friction_angle_deg`.
+/// Names in the same section are compared without it.
+fn name_similarity(name: &str, candidate: &str) -> f64 {
+    const MIN_START_LENGTH: usize = 4;
+    const START_WEIGHT: f64 = 0.9;
+    let (name, candidate) = match (name.rsplit_once('.'), candidate.rsplit_once('.')) {
+        (Some((section, name)), Some((same, candidate))) if section == same => (name, candidate),
+        _ => (name, candidate),
+    };
+    let similarity = strsim::normalized_damerau_levenshtein;
+    let length = name.chars().count();
+    let start = |length: usize| candidate.chars().take(length).collect::<String>();
+    let whole = similarity(name, candidate);
+    if candidate.chars().nth(length).is_none() {
+        return whole;
+    }
+    if length < MIN_START_LENGTH {
+        // Short names differ from most starts by few letters.
+        return if length > 1 && candidate.starts_with(name) { START_WEIGHT } else { whole };
+    }
+    let starts = (length - 1..=length + 1).map(|length| similarity(name, &start(length)));
+    starts.fold(whole, |most, own| most.max(START_WEIGHT * own))
+}
+
 /// Formats the suggestion "did you mean …?" for messages; empty without a suggestion.
 pub(super) fn format_suggestion(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn misspelt_names_find_the_name_meant_and_no_other() {
+        const NAMES: [&str; 6] = [
+            "model.cohesion",
+            "model.friction_angle_deg",
+            "model.dilatancy_angle_deg",
+            "model.moment_of_inertia",
+            "background.pressure",
+            "background.density",
+        ];
+        for (name, expected) in [
+            ("model.fricton", Some("model.friction_angle_deg")),
+            ("model.friction", Some("model.friction_angle_deg")),
+            ("model.dilatency", Some("model.dilatancy_angle_deg")),
+            ("model.cohesoin", Some("model.cohesion")),
+            ("background.presure", Some("background.pressure")),
+            ("background.densty", Some("background.density")),
+            ("model.xyz", None),
+        ] {
+            assert_eq!(find_similar_name(name, NAMES), expected, "{name}");
+        }
+        assert_eq!(find_similar_name("psi", ["v", "psi_deg"]), Some("psi_deg"));
+        assert_eq!(find_similar_name("foo", ["force", "couple"]), None);
+        assert_eq!(find_similar_name("mohr-coulomb", ["cosserat-compliances", "classical"]), None);
+    }
 }

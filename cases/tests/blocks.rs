@@ -365,7 +365,11 @@ fn invalid_keys_of_blocks_are_refused() {
             "materials = [{ model = { mu = 1 } }]\nmodel = { mu = 1 }\nrepeat",
             "block[0].model: found beside materials",
         ),
-        ("repeat", "pattern = 'rows'\nrepeat", "block[0].pattern: unknown key"),
+        (
+            "repeat",
+            "pattern = 'rows'\nrepeat",
+            "block[0].pattern: found, but not used here; leave it out: it is used beside materials only",
+        ),
         (
             "repeat",
             "materials = [{ model = { mu = 1 } }]\npattern = 'list'\nlist = [0]\nrepeat",
@@ -410,11 +414,11 @@ fn invalid_joints_are_refused() {
     for (text, message) in [
         (
             saturated.to_owned(),
-            "joint[0].coupling_stiffness: found 1000000000; expected less than √(undrained_stiffness · fluid_stiffness) = ",
+            "joint[0].coupling_stiffness: found 1e9; expected less than √(undrained_stiffness · fluid_stiffness) = ",
         ),
         (
             breaking,
-            "joint[0].tensile_strength: found 3000000; expected at most shear_strength/shear_friction = ",
+            "joint[0].tensile_strength: found 3e6; expected at most shear_strength/shear_friction = ",
         ),
         (
             elastic.replace("thickness = 1e-3", "thickness = 0"),

@@ -157,7 +157,7 @@ fn wrong_sections_are_refused_with_line_and_key() {
             POROUS,
             "[piston]",
             "friction = 0.5\n[piston]",
-            "x.toml:11: porous.friction: unknown key;",
+            "x.toml:11: porous.friction: found, but not used here; leave it out: it is used with contact cone",
         ),
         (
             POROUS,
@@ -193,13 +193,19 @@ fn wrong_sections_are_refused_with_line_and_key() {
             RUN,
             "[time]",
             "[scheme]\norder = 'fourth-order'\n[time]",
-            "scheme.order: found 'fourth-order'; allowed: eno2, godunov",
+            "scheme.order: found 'fourth-order'; expected 'eno2' or 'godunov': granular and porous media",
         ),
         (
             RUN,
             "[time]",
             "[initial_stress]\nsigma11 = 1\n[time]",
             "x.toml:12: initial_stress: found beside a granular or porous medium;",
+        ),
+        (
+            RUN,
+            "[time]",
+            "[[initial]]\nkind = 'uniform'\nshape = 'everywhere'\nfield = 'sigma11'\namplitude = 1\n[time]",
+            "x.toml:13: initial[0].kind: an initial stress beside a granular or porous medium;",
         ),
         (
             RUN,
@@ -231,7 +237,7 @@ fn wrong_sections_are_refused_with_line_and_key() {
 #[test]
 fn other_studies_refuse_media_with_contacts() {
     let error = parse(POROUS).unwrap().check_without_contacts().unwrap_err().to_string();
-    assert!(error.starts_with("x.toml:7: porous: found; "), "{error}");
+    assert!(error.starts_with("x.toml:7: porous: found for this verb; "), "{error}");
     let elastic = &POROUS[..POROUS.find("[porous]").unwrap()];
     let case = parse(elastic).unwrap();
     assert!(case.check_without_contacts().is_ok());

@@ -116,7 +116,7 @@ fn wrong_sections_are_refused_with_file_line_and_key() {
             NAMED,
             "points = [[0, 0], [1, -0.05]]",
             "points = [[0, 0], [0, -0.05]]",
-            "x.toml:8: load_path.points: the time 0.0 s is not above that of the point before; give increasing times",
+            "x.toml:8: load_path.points: the time 0 s is not above that of the point before; give increasing times",
         ),
         (
             NAMED,
@@ -140,7 +140,7 @@ fn wrong_sections_are_refused_with_file_line_and_key() {
             NAMED,
             "steps = 10",
             "rate = 1",
-            "x.toml:9: load_path.rate: unknown key; allowed here: control, points",
+            "x.toml:9: load_path.rate: found, but not used here; leave it out: it is used beside turning_values only",
         ),
         (
             NAMED,
@@ -255,7 +255,7 @@ fn wrong_sections_are_refused_with_file_line_and_key() {
             TREE,
             "rate = 0.1",
             "rate = 0.1\npoints = [[0, 0], [1, 1]]",
-            "x.toml:23: load_path.points: unknown key",
+            "x.toml:23: load_path.points: found beside turning_values; give one of them",
         ),
     ] {
         let changed = text.replacen(found, replacement, 1);

@@ -24,6 +24,7 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::InstructionSet;
+use wellposed_dynamics::solid::metric::Metric;
 
 /// Distribution of the media in the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,12 @@ enum MediaDistribution {
     Inclusions,
     /// One of two media at random in each cell.
     EachCell,
+    /// Elastic; the sweeps do not alternate, as in a polar block.
+    TwoCyclic,
+    /// Elastic polar block, the circle along the first axis.
+    Polar,
+    /// Porous medium in a polar block.
+    PolarPorous,
     /// Granular medium with plastic particles.
     Granular,
     /// Porous medium with an elastic skeleton.
@@ -132,9 +139,14 @@ fn build_media_and_cells<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Ve
     let single_medium = vec![0; count];
     let layer = row.cells_per_axis.pow(D as u32 - 1);
     match row.media {
-        MediaDistribution::Elastic | MediaDistribution::Tails => (vec![medium], single_medium),
+        MediaDistribution::Elastic
+        | MediaDistribution::Tails
+        | MediaDistribution::TwoCyclic
+        | MediaDistribution::Polar => (vec![medium], single_medium),
         MediaDistribution::Granular => (vec![granular_medium(D)], single_medium),
-        MediaDistribution::Porous => (vec![porous_medium(D)], single_medium),
+        MediaDistribution::Porous | MediaDistribution::PolarPorous => {
+            (vec![porous_medium(D)], single_medium)
+        }
         MediaDistribution::Yielding => (yielding(1e-3), single_medium),
         MediaDistribution::Strong => (yielding(1e3), single_medium),
         MediaDistribution::Layers => {
@@ -243,13 +255,24 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
     let is_elastic = media.iter().all(|medium| medium.yield_set.is_none()) && !has_contacts;
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
     let scheme = Scheme {
-        splitting: if has_contacts { Splitting::TwoCyclic } else { Splitting::Alternating },
+        splitting: match row.media {
+            MediaDistribution::TwoCyclic | MediaDistribution::Polar => Splitting::TwoCyclic,
+            _ if has_contacts => Splitting::TwoCyclic,
+            _ => Splitting::Alternating,
+        },
         ..Scheme::new(slopes, PlasticStep::ReturnMapping)
     };
     let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.cells_per_axis; D], spacing: [0.1; D] };
-    let problem =
+    let mut problem =
         Problem::new(grid, media, cell_media, boundaries, 0.9 * 2.0 * 0.1 / speed, scheme);
+    if matches!(row.media, MediaDistribution::Polar | MediaDistribution::PolarPorous) {
+        // Cells are squares at the inner radius.
+        let angle = std::f64::consts::TAU / row.cells_per_axis as f64;
+        problem.grid.spacing[0] = angle;
+        problem.metric = Some(Metric::new_polar(0.1 / angle, row.cells_per_axis, [angle, 0.1]));
+        problem.boundaries[0] = [Boundary::Periodic, Boundary::Periodic];
+    }
     let mut solver = MeasuredSolver::new(&problem, row);
     let fields = problem.media[0].fields.clone();
     let layer = row.cells_per_axis.pow(D as u32 - 1);
@@ -378,6 +401,14 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
                 rows.push(BenchmarkRow { threads, media: MediaDistribution::Yielding, ..row });
                 if theory == Theory::Classical && cells_per_axis != 256 {
                     let others = [MediaDistribution::Granular, MediaDistribution::Porous];
+                    rows.extend(others.map(|media| BenchmarkRow { threads, media, ..row }));
+                }
+                if theory == Theory::Classical && dimensions == 2 {
+                    let others = [
+                        MediaDistribution::TwoCyclic,
+                        MediaDistribution::Polar,
+                        MediaDistribution::PolarPorous,
+                    ];
                     rows.extend(others.map(|media| BenchmarkRow { threads, media, ..row }));
                 }
                 if cells_per_axis != 256 {

@@ -43,8 +43,8 @@ pub use directions::{Direction, DirectionKind, DirectionsFigure};
 pub use dispersion::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
 pub use error::FigureError;
 pub use field::{
-    FieldArrow, FieldArrows, FieldAxis, FieldFigure, FieldLine, FieldLineSet, FieldLineStyle,
-    FieldMark, FieldMarkKind, FieldPairFigure,
+    FieldArrow, FieldArrows, FieldAxis, FieldBody, FieldFigure, FieldLine, FieldLineSet,
+    FieldLineStyle, FieldMark, FieldMarkKind, FieldPairFigure,
 };
 pub use format::FigureFormat;
 pub use growth::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};

@@ -1,8 +1,12 @@
-//! `wellposed cases`: lists the cases shipped with the program.
+//! `wellposed cases`: lists, prints and copies the cases shipped with the program.
 
-use crate::case::{CASES, Case};
+use super::folder::{OutputError, write_file};
+use super::new::check_new_file;
+use crate::case::{CASES, Case, find_bundled_case, suggest_bundled_case};
 use crate::cli::CommandError;
+use std::fs;
 use std::io::Write;
+use std::path::Path;
 
 /// Prints one line per case: path and title.
 ///
@@ -13,5 +17,41 @@ pub fn list_cases(stdout: &mut dyn Write) -> Result<(), CommandError> {
     for (path, text) in CASES {
         writeln!(stdout, "{path:width$}  {}", Case::parse(text, path, &[])?.title)?;
     }
+    Ok(())
+}
+
+/// Prints the text of a case.
+///
+/// # Errors
+/// No case has this name, or standard output cannot be written.
+pub fn show_case(name: &str, stdout: &mut dyn Write) -> Result<(), CommandError> {
+    let (_, text) = find_bundled_case(name).ok_or_else(|| CommandError::NoBundledCase {
+        name: name.to_owned(),
+        suggestion: suggest_bundled_case(name),
+    })?;
+    Ok(stdout.write_all(text.as_bytes())?)
+}
+
+/// Copies all cases to a folder, in subfolders as in the list, and prints the number of files.
+///
+/// # Errors
+/// A file exists with another text and `force` is not set, or a file cannot be written.
+pub fn copy_cases(folder: &Path, force: bool, stdout: &mut dyn Write) -> Result<(), CommandError> {
+    let files = || {
+        CASES.iter().map(|(path, text)| {
+            (folder.join(path.strip_prefix("cases/").unwrap_or(path)), text.as_bytes())
+        })
+    };
+    let is_same = |path: &Path, text: &[u8]| fs::read(path).is_ok_and(|found| found == text);
+    // No file is written if one of them must not be.
+    let mut changed = files().filter(|(path, text)| !is_same(path, text));
+    changed.try_for_each(|(path, _)| check_new_file(&path, force))?;
+    for (path, text) in files().filter(|(path, text)| !is_same(path, text)) {
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(|error| OutputError::new(parent, error))?;
+        }
+        write_file(&path, text)?;
+    }
+    writeln!(stdout, "{} cases in {}", CASES.len(), folder.display())?;
     Ok(())
 }

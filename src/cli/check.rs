@@ -2,13 +2,17 @@
 
 use super::load::print_hints;
 use super::progress::run_with_progress;
-use super::write::{list_planned_paths, print_plan, write_report};
+use super::verdict::print_solid_verdict;
+use super::write::{
+    CostEstimate, list_planned_paths, print_plan, print_report, write_report_files,
+};
 use crate::case::Case;
 use crate::cli::folder::{self, OutputError, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::SCHEMA_VERSION;
-use crate::report::check::{format_scientific, format_unmeasured_count};
+use crate::report::check::{DISAGREES, format_scientific, format_unmeasured_count};
+use crate::report::format::format_count;
 use crate::setup::check::CheckPlan;
 use crate::study;
 use crate::study::check::{CheckExtent, CheckOutcome, CheckResult};
@@ -46,10 +50,21 @@ fn check_case(
             matches!(&plan, CheckPlan::Flow(flow) if !flow.refined_point_counts.is_empty());
         let count = if refines { folder::CHECK_FILES.len() } else { folder::CHECK_FILES.len() - 2 };
         let paths = list_planned_paths(&folder, &folder::CHECK_FILES[..count]);
-        return print_plan(&describe_plan(&plan), &paths, options.format, stdout);
+        return print_plan(
+            &describe_plan(&plan),
+            &paths,
+            CostEstimate::default(),
+            options.format,
+            stdout,
+        );
     }
+    print_solid_verdict(&case);
     let found = check_with_progress(&case, CheckExtent::Full, pool)?;
-    write_report(&found, &case, &folder, options.format, stdout)?;
+    let rendered = write_report_files(&found, &case, &folder)?;
+    match options.only_disagreeing && options.format == OutputFormat::Text {
+        true => stdout.write_all(select_disagreements(rendered.text()).as_bytes())?,
+        false => print_report(&rendered, &folder, options.format, stdout)?,
+    }
     let [all, failed] = found.item_and_failure_counts();
     fail_on_disagreement(failed, all, "rows")
 }
@@ -73,24 +88,51 @@ fn describe_plan(plan: &CheckPlan) -> String {
                 0 => String::new(),
                 count => format!(", and Bloch waves in {count} media of blocks and joints"),
             };
-            format!("send all branches at {count} wave vectors{of_blocks}")
+            format!("send all branches at {}{of_blocks}", format_count(count, "wave vector"))
         }
         CheckPlan::Equations(count) => {
             format!(
-                "compare the linearised equations with differences of the equations at {count} waves"
+                "compare the linearised equations with differences of the equations for {}",
+                format_count(*count, "wave")
             )
         }
         CheckPlan::NotMeasurable(reason) => {
             format!("say that the case is not measurable: {reason}")
+        }
+        CheckPlan::Shocks(shocks) => {
+            let cells: Vec<String> = shocks.cell_counts.iter().map(usize::to_string).collect();
+            format!("run the plane waves in columns of {} cells", cells.join(", "))
         }
         CheckPlan::Flow(flow) => {
             let grids = match flow.refined_point_counts.len() {
                 0 => String::new(),
                 count => format!(", and one perturbation on {count} grids"),
             };
-            format!("follow waves of {} wave vectors{grids}", flow.waves.len())
+            format!("follow waves of {}{grids}", format_count(flow.waves.len(), "wave vector"))
         }
     }
+}
+
+/// Returns the title, the rows that disagree below their wave vectors, and the summaries of a report.
+fn select_disagreements(text: &str) -> String {
+    let mut selected = String::new();
+    let mut wave_vector = None;
+    for (index, line) in text.lines().enumerate() {
+        if line.starts_with("k = ") {
+            wave_vector = Some(line);
+            continue;
+        }
+        let is_row = line.ends_with(DISAGREES);
+        let is_summary = line.contains("maximum error") || line.starts_with("not measurable");
+        if index == 0 || is_row || is_summary {
+            let heading = wave_vector.take_if(|_| is_row && line.starts_with(' '));
+            for line in heading.into_iter().chain([line]) {
+                selected += line;
+                selected.push('\n');
+            }
+        }
+    }
+    selected
 }
 
 fn fail_on_disagreement(
@@ -119,8 +161,8 @@ fn check_folder(
         return Err(CommandError::NoCaseFiles { folder: options.case_path.display().to_string() });
     }
     if options.is_dry_run {
-        let plan = format!("check {} cases and write nothing", files.len());
-        return print_plan(&plan, &[], options.format, stdout);
+        let plan = format!("check {} and write nothing", format_count(files.len(), "case"));
+        return print_plan(&plan, &[], CostEstimate::default(), options.format, stdout);
     }
     let (mut list, mut failed, mut all) = (Vec::new(), 0, 0);
     for path in files {
@@ -138,7 +180,8 @@ fn check_folder(
         };
         all += usize::from(line.is_in_agreement.is_some());
         failed += usize::from(line.is_in_agreement == Some(false));
-        if options.format == OutputFormat::Text {
+        let is_printed = !options.only_disagreeing || line.is_in_agreement == Some(false);
+        if options.format == OutputFormat::Text && is_printed {
             writeln!(stdout, "{name:<56} {}", line.text)?;
             stdout.flush()?;
         }
@@ -173,6 +216,12 @@ impl CaseCheckSummary {
             (found.item_and_failure_counts(), found.max_relative_difference());
         let is_in_agreement = wrong == 0;
         let left = format_unmeasured_count(found.unmeasured_count());
+        let noun = match (&found.outcome, rows) {
+            (CheckOutcome::Shocks(_), 1) => "quantity",
+            (CheckOutcome::Shocks(_), _) => "quantities",
+            (_, 1) => "wave",
+            (_, _) => "waves",
+        };
         let verdict = match (greatest, is_in_agreement) {
             (None, _) => "nothing measured".to_owned(),
             (Some(greatest), true) => {
@@ -183,7 +232,7 @@ impl CaseCheckSummary {
             }
         };
         Self {
-            text: format!("{rows:>3} waves, {verdict}{left}"),
+            text: format!("{rows:>3} {noun}, {verdict}{left}"),
             json: json!({
                 "case": name,
                 "agrees": greatest.map(|_| is_in_agreement),
@@ -212,4 +261,18 @@ fn collect_case_files(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Out
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_disagree_keep_their_wave_vector() {
+        let text = "title\nmedium\n\nk = 1 1/m at 0°\n  first  agrees\n  second  DISAGREES\n  third  DISAGREES\n\
+                    k = 2 1/m at 0°\n  first  agrees\n\n4 waves, maximum error 1.0e-3: 2 DISAGREE\n";
+        let expected = "title\nk = 1 1/m at 0°\n  second  DISAGREES\n  third  DISAGREES\n\
+                        4 waves, maximum error 1.0e-3: 2 DISAGREE\n";
+        assert_eq!(select_disagreements(text), expected);
+    }
 }

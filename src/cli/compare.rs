@@ -4,16 +4,19 @@ use super::folder::{
     COMPARISON_FILES, OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot_name,
 };
 use super::load::print_hints;
+use super::progress::DelayedProgressBar;
 use super::run::read_records;
-use super::write::{list_planned_paths, print_plan, write_report};
+use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
 use super::{CommandError, OutputFormat};
 use crate::case::Case;
 use crate::report;
+use crate::report::format::format_count;
 use crate::study::compare::{Comparison, ComparisonResult};
 use crate::study::simulate::OutputFields;
 use files::read_regular_file;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// File name of the archive of the final fields.
 const FIELDS_ARCHIVE: &str = "fields.npz";
@@ -57,15 +60,22 @@ pub fn run_compare(options: &CompareOptions, stdout: &mut dyn Write) -> Result<(
     let default_name = [first, second].map(|folder| folder_name(folder)).join("-");
     let out = options.output_folder.clone().unwrap_or(Path::new("out").join(default_name));
     let folder = ResultFolder::from_case(&runs[0].case, Some(&out), options.force)?;
-    if options.is_dry_run {
-        let plan = format!("compare {} pairs of snapshots", counts[0]);
-        let paths = list_planned_paths(&folder, &COMPARISON_FILES);
-        return print_plan(&plan, &paths, options.format, stdout);
-    }
+    let progress = DelayedProgressBar::new("compare", counts[0] as u64);
+    let start = Instant::now();
     for index in 0..counts[0] {
         let fields = [runs[0].read_fields(index)?, runs[1].read_fields(index)?];
         comparison.add_snapshot([&fields[0], &fields[1]])?;
+        if options.is_dry_run {
+            // All pairs are equally large.
+            let seconds = start.elapsed().as_secs_f64() * counts[0] as f64;
+            let plan = format!("compare {} of snapshots", format_count(counts[0], "pair"));
+            let paths = list_planned_paths(&folder, &COMPARISON_FILES);
+            let estimate = CostEstimate::from_seconds(seconds);
+            return print_plan(&plan, &paths, estimate, options.format, stdout);
+        }
+        progress.advance_to(index as u64 + 1, counts[0] as u64);
     }
+    drop(progress);
     let ledgers = [0, 1].map(|run| read_records(&runs[run].case, &runs[run].folder));
     let [first, second] = ledgers;
     let found = comparison.finish([&first?.ledger, &second?.ledger]);

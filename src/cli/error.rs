@@ -10,6 +10,18 @@ use serde_json::{Value, json};
 /// Exit code of the program after an interrupt by a signal.
 pub(super) const INTERRUPTED_CODE: u8 = 130;
 
+/// Error of the arguments of the program.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{argument}: {found}; {allowed}")]
+pub struct UsageError {
+    /// Argument or option, such as `--threads <N>`.
+    pub argument: String,
+    /// Description of the fault: the invalid value, or that the argument is unknown or missing.
+    pub found: String,
+    /// Values allowed, or the remedy.
+    pub allowed: String,
+}
+
 /// Reason why a verb of the command line failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
@@ -17,7 +29,7 @@ pub enum CommandError {
     #[error(transparent)]
     Study(crate::Error),
     /// The model cannot be combined with a yield set.
-    #[error(transparent)]
+    #[error("--yield: {0}")]
     YieldSet(#[from] YieldSetError),
     /// Result files cannot be written or read.
     #[error(transparent)]
@@ -38,6 +50,20 @@ pub enum CommandError {
         /// Noun of the message: `rows` or `cases`.
         noun: &'static str,
     },
+    /// The arguments of the program are invalid.
+    #[error(transparent)]
+    Usage(#[from] UsageError),
+    /// No bundled case has this name.
+    #[error("{name}: no bundled case; {suggestion}wellposed cases lists them")]
+    NoBundledCase {
+        /// Name that was asked for.
+        name: String,
+        /// Suggestion of a similar name, or empty.
+        suggestion: String,
+    },
+    /// A signal interrupted a study before its results were written.
+    #[error("interrupted before all results were written; run the command again")]
+    InterruptedStudy,
     /// The folder to be checked contains no case file.
     #[error(
         "{folder}: no case file (*.toml) in the folder or below; name a case file, or a folder that holds some"
@@ -98,7 +124,9 @@ impl CommandError {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Disagreement { .. } | Self::DamagedFiles { .. } => 1,
             Self::SimulationStopped(_) => 3,
-            Self::Interrupted { .. } | Self::InterruptedReplay { .. } => INTERRUPTED_CODE,
+            Self::Interrupted { .. } | Self::InterruptedReplay { .. } | Self::InterruptedStudy => {
+                INTERRUPTED_CODE
+            }
             _ => 2,
         }
     }
@@ -128,6 +156,11 @@ impl CommandError {
                 all["found"] = cause.as_str().into();
                 all["allowed"] = (*remedy).into();
             }
+            Self::Usage(UsageError { argument, found, allowed }) => {
+                all["option"] = argument.as_str().into();
+                all["found"] = found.as_str().into();
+                all["allowed"] = allowed.as_str().into();
+            }
             _ => {}
         }
         all
@@ -143,19 +176,16 @@ impl CommandError {
             Self::SimulationStopped(_) => "stopped",
             Self::Disagreement { .. } => "disagreement",
             Self::DamagedFiles { .. } => "damage",
-            Self::NoCaseFiles { .. } => "usage",
-            Self::Interrupted { .. } | Self::InterruptedReplay { .. } => "interrupted",
+            Self::NoCaseFiles { .. } | Self::NoBundledCase { .. } | Self::Usage(_) => "usage",
+            Self::Interrupted { .. } | Self::InterruptedReplay { .. } | Self::InterruptedStudy => {
+                "interrupted"
+            }
             Self::ThreadStart(_)
             | Self::StepThreadStart { .. }
             | Self::Study(crate::Error::Threads(_)) => "threads",
             Self::Study(_) => "result",
             Self::Stdout(_) => "stdout",
         }
-    }
-
-    /// Converts a command-line error with this message to the JSON object of [`Self::to_json`].
-    pub fn usage_error_to_json(message: &str) -> Value {
-        create_error_object("usage", message, 2)
     }
 }
 
@@ -181,7 +211,7 @@ fn add_case_position(all: &mut Value, error: &CaseError) {
         CaseError::Unreadable { path, cause } => {
             all["file"] = path.display().to_string().into();
             all["found"] = cause.as_str().into();
-            all["allowed"] = "a case file".into();
+            all["allowed"] = "a case file, or the name of a bundled case".into();
             return;
         }
         CaseError::Syntax { position, cause } => {

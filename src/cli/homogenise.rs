@@ -2,7 +2,7 @@
 
 use super::load::load_case;
 use super::new::check_new_file;
-use super::write::print_plan;
+use super::write::{CostEstimate, print_plan};
 use super::{CommandError, Options, OutputFormat};
 use crate::case::ContinuumOptions;
 use crate::cli::folder::write_file;
@@ -10,6 +10,7 @@ use crate::report::{self, Report};
 use crate::study;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Runs the verb `homogenise`: writes the case of the equivalent continuum of a blocky medium.
 /// [`Options::output_folder`] is the path of the file to write; if it is a folder or ends with a slash, the file is
@@ -23,13 +24,15 @@ pub fn run_homogenise(
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
     let case = load_case(options)?;
+    let start = Instant::now();
     let mut found = study::homogenise(&case, continuum)?;
     let path = output_path(options.output_folder.as_deref(), &found.continuum_case.case.name);
     check_new_file(&path, options.force)?;
     let name = path.display().to_string();
     if options.is_dry_run {
         let plan = "homogenise the blocky medium";
-        return print_plan(plan, &[name], options.format, stdout);
+        let estimate = CostEstimate::from_seconds(start.elapsed().as_secs_f64());
+        return print_plan(plan, &[name], estimate, options.format, stdout);
     }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder)

@@ -1,11 +1,12 @@
 //! `wellposed map`: computes the verdict over two parameters of a case.
 
 use super::load::load_case;
-use super::progress::run_with_progress;
-use super::write::{list_planned_paths, print_plan, write_report};
+use super::progress::{estimate_time, run_with_progress};
+use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
+use crate::report::format::format_count;
 use crate::study;
 use crate::study::MapOptions;
 use std::io::Write;
@@ -30,9 +31,13 @@ pub fn run_map(
         run_with_progress(&pool, "checking states", |on_progress| {
             study::check_map(&case, on_progress)
         })?;
-        let plan = format!("assess {states} states: {} × {}", map.x, map.y);
+        let seconds = estimate_time(&pool, |on_progress| {
+            study::compute_map(&case, map_options, on_progress)
+        })?;
+        let plan = format!("assess {}: {} × {}", format_count(states, "state"), map.x, map.y);
+        let estimate = CostEstimate::from_seconds(seconds);
         let paths = list_planned_paths(&folder, &folder::MAP_FILES);
-        return print_plan(&plan, &paths, options.format, stdout);
+        return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
     let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "assessing states", |on_progress| {

@@ -25,8 +25,11 @@ pub fn write_template(
     if purpose == TemplateKind::Simulation && is_free {
         return Err(OutputError {
             path,
-            cause: format!("nothing determines the spin of {}", medium.kind.name()),
-            remedy: "name another model: this one cannot be run in time",
+            cause: format!(
+                "{} leaves the spin undetermined and cannot be run in time",
+                medium.kind.name()
+            ),
+            remedy: "leave --run out, or name another kind",
         });
     }
     let is_plane_wave =
@@ -34,8 +37,8 @@ pub fn write_template(
     if is_plane_wave && medium != MediumKind::from(ModelKind::Solid(registry::CLASSICAL)) {
         return Err(OutputError {
             path,
-            cause: format!("plane waves of {}", medium.title()),
-            remedy: "name the kind classical without a yield set",
+            cause: format!("found --shocks for {}", medium.title()),
+            remedy: "name the kind classical without --yield",
         });
     }
     write_file(&path, generate_template(medium, purpose).as_bytes())?;

@@ -23,6 +23,8 @@ pub struct Options {
     pub thread_count: Option<usize>,
     /// Whether a flow is simulated although its equations are ill-posed.
     pub accept_ill_posed: bool,
+    /// Whether `check` prints only what disagrees.
+    pub only_disagreeing: bool,
 }
 
 /// Format in which a verb prints its report.

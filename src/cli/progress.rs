@@ -1,6 +1,7 @@
 //! Progress display of work that takes longer than a second, with the estimated remaining time: a bar on terminals,
 //! otherwise a line every ten seconds, also during a long increment.
 
+use crate::Error;
 use crate::report::run::DisplayTime;
 use crate::study::ProgressCallback;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -8,7 +9,7 @@ use rayon::ThreadPool;
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, Once, mpsc};
+use std::sync::{Mutex, Once, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 /// Time from the start of the work to the appearance of the progress bar.
@@ -48,6 +49,36 @@ pub fn run_with_progress<T: Send>(
         drop(end);
         result
     })
+}
+
+/// Time after which [`estimate_time`] stops a study.
+const ESTIMATE_TIME: Duration = Duration::from_millis(300);
+
+/// Estimates the wall time of a study, s: runs it on the threads of a pool and, at its first report of progress after
+/// 0.3 s, cancels it and extrapolates.
+///
+/// # Errors
+/// The study fails.
+pub fn estimate_time<T: Send>(
+    pool: &ThreadPool,
+    study: impl FnOnce(ProgressCallback) -> Result<T, Error> + Send,
+) -> Result<f64, Error> {
+    let start = Instant::now();
+    let estimate = Mutex::new(None);
+    let on_progress = |done: usize, all: usize| {
+        let elapsed = start.elapsed();
+        if done == 0 || elapsed < ESTIMATE_TIME {
+            return ControlFlow::Continue(());
+        }
+        let mut estimate = estimate.lock().unwrap_or_else(PoisonError::into_inner);
+        estimate.get_or_insert(elapsed.as_secs_f64() * all as f64 / done as f64);
+        ControlFlow::Break(())
+    };
+    let result = pool.install(|| study(&on_progress));
+    match (result, estimate.into_inner().unwrap_or_else(PoisonError::into_inner)) {
+        (Err(Error::Cancelled), Some(seconds)) => Ok(seconds),
+        (result, _) => result.map(|_| start.elapsed().as_secs_f64()),
+    }
 }
 
 /// Thread-safe progress display on standard error; a bar is cleared on drop.
@@ -99,7 +130,7 @@ impl DelayedProgressBar {
     }
 
     /// Sets the position to `done` of `all` steps. Threads may report in any order: the bar never goes back.
-    fn advance_to(&self, done: u64, all: u64) {
+    pub fn advance_to(&self, done: u64, all: u64) {
         if let Some(bar) = &self.progress_bar {
             self.show_after_delay(bar);
             bar.set_length(all);

@@ -18,7 +18,8 @@ pub(super) use run_files::read_records;
 
 use super::load::print_hints;
 use super::signals::{self, ProgramStage};
-use super::write::{list_planned_paths, print_plan, print_report};
+use super::verdict::print_solid_verdict;
+use super::write::{CostEstimate, list_planned_paths, print_plan, print_report};
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
 use crate::cli::options::{check_thread_start, create_thread_pool};
@@ -65,12 +66,17 @@ pub fn run_simulation(
         if let Some(found) = job.find_ill_posedness()?.filter(|_| !options.accept_ill_posed) {
             return Err(CommandError::IllPosed(found));
         }
+        let estimate = CostEstimate {
+            seconds: Some(plan.cost.single_thread_time),
+            memory_bytes: Some(plan.required_memory.0),
+        };
         let plan = format!("compute {plan}");
         let paths = list_planned_paths(&folder, &planned_files::list_planned_file_names(&case)?);
-        return print_plan(&plan, &paths, options.format, stdout);
+        return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
     // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");
+    print_solid_verdict(&case);
     for warning in job.find_warnings()? {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }

@@ -1,11 +1,12 @@
 //! `wellposed shocks`: computes plane waves in granular and porous media exactly.
 
 use super::load::load_case;
-use super::write::{list_planned_paths, print_plan, write_report};
+use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::{CommandError, Options};
 use crate::study;
 use std::io::Write;
+use std::time::Instant;
 
 /// Runs the verb `shocks`: computes the waves behind a piston and at a free end, and writes the report.
 ///
@@ -13,6 +14,7 @@ use std::io::Write;
 /// The case is invalid or has no granular or porous medium, or results cannot be written.
 pub fn run_shocks(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let case = load_case(options)?;
+    let start = Instant::now();
     let found = study::compute_shocks(&case)?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
@@ -23,7 +25,8 @@ pub fn run_shocks(options: &Options, stdout: &mut dyn Write) -> Result<(), Comma
         };
         let names: Vec<&str> = folder::SHOCKS_FILES.into_iter().filter(is_written).collect();
         let paths = list_planned_paths(&folder, &names);
-        return print_plan("solve plane waves exactly", &paths, options.format, stdout);
+        let estimate = CostEstimate::from_seconds(start.elapsed().as_secs_f64());
+        return print_plan("solve plane waves exactly", &paths, estimate, options.format, stdout);
     }
     write_report(&found, &case, &folder, options.format, stdout)
 }

@@ -1,6 +1,7 @@
 //! Signal handling: SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGXFSZ.
 
-use super::error::INTERRUPTED_CODE;
+use super::error::{CommandError, INTERRUPTED_CODE};
+use super::options::OutputFormat;
 use std::io::{IsTerminal, Write as _};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -29,6 +30,14 @@ const MAX_STEP_WAIT: Duration = Duration::from_secs(8);
 static PROGRAM_STAGE: AtomicU8 = AtomicU8::new(ProgramStage::OutsideRun as u8);
 /// Whether a run has been interrupted.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the error of an interrupted study is printed as JSON.
+static PRINTS_JSON_ERRORS: AtomicBool = AtomicBool::new(false);
+
+/// Sets the format of the error that an interrupt outside a run prints.
+pub fn set_error_format(format: OutputFormat) {
+    PRINTS_JSON_ERRORS.store(format == OutputFormat::Json, Ordering::Relaxed);
+}
 
 /// Sets the stage of the program, which determines the effect of the next interrupt.
 pub(super) fn set_stage(stage: ProgramStage) {
@@ -77,7 +86,14 @@ fn handle_interrupt() {
             "a fault was found, steps are made again up to it: ending, the last checkpoint stays"
         }
         _ if stage == ProgramStage::WritingResults as u8 => "all steps are done, writing results",
-        _ => exit_at_once(),
+        _ => {
+            let error = CommandError::InterruptedStudy;
+            match PRINTS_JSON_ERRORS.load(Ordering::Relaxed) {
+                true => drop(writeln!(std::io::stderr(), "{}", error.to_json())),
+                false => print_message(&format!("error: {error}")),
+            }
+            exit_at_once()
+        }
     };
     if IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
         exit_at_once();

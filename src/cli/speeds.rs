@@ -1,8 +1,8 @@
 //! `wellposed speeds`: computes the characteristic speeds of a solid by direction.
 
 use super::load::load_case;
-use super::progress::run_with_progress;
-use super::write::{list_planned_paths, print_plan, write_report};
+use super::progress::{estimate_time, run_with_progress};
+use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
@@ -20,7 +20,11 @@ pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Comma
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let pool = create_thread_pool(options.thread_count)?;
     if options.is_dry_run {
+        let seconds =
+            estimate_time(&pool, |on_progress| study::compute_speeds(&case, on_progress))?;
+        let estimate = CostEstimate::from_seconds(seconds);
         let plan = format!("find speeds in {} directions", DirectionalSpeeds::DIRECTIONS);
         let in_plane = folder::SPEEDS_FILES.iter().filter(|name| !name.starts_with("sphere"));
         let names: Vec<&str> = match solid.dimensions {
@@ -28,9 +32,8 @@ pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Comma
             _ => in_plane.copied().collect(),
         };
         let paths = list_planned_paths(&folder, &names);
-        return print_plan(&plan, &paths, options.format, stdout);
+        return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
-    let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "speeds", |on_progress| {
         study::compute_speeds(&case, on_progress)
     })?;

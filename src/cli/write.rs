@@ -3,6 +3,7 @@
 use super::folder::ResultFolder;
 use super::{CommandError, OutputFormat};
 use crate::case::Case;
+use crate::report::run::DisplayTime;
 use crate::report::{RenderedReport, Report, SCHEMA_VERSION};
 use serde_json::json;
 use std::io::Write;
@@ -18,13 +19,25 @@ pub(super) fn write_report<R: Report>(
     format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
+    print_report(&write_report_files(report, case, folder)?, folder, format, stdout)
+}
+
+/// Writes all files of a report to the results folder and returns the report as text.
+///
+/// # Errors
+/// A file cannot be rendered or written.
+pub(super) fn write_report_files<R: Report>(
+    report: &R,
+    case: &Case,
+    folder: &ResultFolder,
+) -> Result<RenderedReport, CommandError> {
     let rendered = RenderedReport::new(report, case)?;
     let mut publication = folder.start_publication();
     rendered.write_files(|name, bytes| {
         publication.stage_file(name, bytes).map_err(CommandError::from)
     })?;
     publication.publish()?;
-    print_report(&rendered, folder, format, stdout)
+    Ok(rendered)
 }
 
 /// Prints the report as text or JSON. The text ends with the path of the first picture, or with that of the results
@@ -59,20 +72,48 @@ pub(super) fn list_planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>
     names.map(|name| folder.path().join(name).display().to_string()).collect()
 }
 
-/// Prints the plan of a verb: a description of its work, such as "assess 12 states", and the files that it would write.
+/// Estimated cost of a verb, for dry runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CostEstimate {
+    /// Wall time, s, or for runs the time of one thread; `None` if unknown.
+    pub(super) seconds: Option<f64>,
+    /// Peak memory, bytes; `None` if unknown.
+    pub(super) memory_bytes: Option<f64>,
+}
+
+impl CostEstimate {
+    /// Creates the estimate of a wall time, s.
+    pub(super) fn from_seconds(seconds: f64) -> Self {
+        Self { seconds: Some(seconds), memory_bytes: None }
+    }
+}
+
+/// Prints the plan of a verb: a description of its work, such as "assess 12 states", its estimated time, and the files
+/// that it would write. A plan with an estimate of the memory, that of a run, states the time itself.
 pub(super) fn print_plan(
     plan: &str,
     paths: &[String],
+    estimate: CostEstimate,
     format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
+    let CostEstimate { seconds, memory_bytes } = estimate;
     match format {
         OutputFormat::Json => {
-            let plan = json!({ "schema": SCHEMA_VERSION, "would": plan, "would_write": paths });
+            let plan = json!({
+                "schema": SCHEMA_VERSION,
+                "would": plan,
+                "would_write": paths,
+                "seconds": seconds,
+                "memory_bytes": memory_bytes,
+            });
             writeln!(stdout, "{plan:#}")?;
         }
         OutputFormat::Text => {
             writeln!(stdout, "would {plan}")?;
+            if let Some(seconds) = seconds.filter(|_| memory_bytes.is_none()) {
+                writeln!(stdout, "would take about {}", DisplayTime(seconds))?;
+            }
             for path in paths {
                 writeln!(stdout, "would write {path}")?;
             }

@@ -1,6 +1,6 @@
 //! Formatting of numbers, units and orders of growth as text.
 
-pub use crate::study::format::{format_order, format_short, format_superscript};
+pub use crate::study::format::{format_count, format_order, format_short, format_superscript};
 
 use crate::case::Case;
 use analysis::solids::angles_deg;

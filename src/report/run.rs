@@ -6,6 +6,7 @@ mod display;
 mod flow;
 mod fluid;
 mod joints;
+mod polar;
 mod records;
 mod snapshot;
 mod solid;
@@ -17,7 +18,7 @@ pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
 pub use snapshot::{create_image, read_snapshot};
 
-use super::format::{case_title, format_short};
+use super::format::{case_title, format_count, format_short};
 use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::flow::FlowQuantity;
@@ -35,12 +36,12 @@ impl Report for RunResult {
             Some(step) => {
                 writeln!(
                     text,
-                    "{} steps of {} s: t = {time} s",
-                    self.step_count,
+                    "{} of {} s: t = {time} s",
+                    format_count(self.step_count, "step"),
                     format_short(step)
                 )
             }
-            None => writeln!(text, "{} steps: t = {time} s", self.step_count),
+            None => writeln!(text, "{}: t = {time} s", format_count(self.step_count, "step")),
         };
         if let Some(stopped) = &self.stop_report {
             let _ = writeln!(text, "stopped: {stopped}");

@@ -71,16 +71,28 @@ impl SpeedsResult {
         let _ = writeln!(text, "\nspeeds {name}, over all sampled directions (m/s)");
         for wave in 0..self.directional_speeds.curves[0].1.len() {
             let number = wave + 1;
-            let _ = match compute_speed_range(&self.directional_speeds, of_wave(wave).into_iter()) {
-                Some([_, 0.0]) => writeln!(text, "  {number}  0: does not propagate"),
+            let squares = of_wave(wave);
+            let range = compute_speed_range(&self.directional_speeds, squares.iter().copied());
+            let range = match range {
+                Some([_, 0.0]) => "0: does not propagate".to_owned(),
                 Some([low, high]) if high - low <= EQUAL_SPEED_TOLERANCE * high => {
-                    writeln!(text, "  {number}  {}", format_short(high))
+                    format_short(high)
                 }
-                Some([low, high]) => {
-                    writeln!(text, "  {number}  {} … {}", format_short(low), format_short(high))
-                }
-                None => writeln!(text, "  {number}  real in no direction"),
+                Some([low, high]) => format!("{} … {}", format_short(low), format_short(high)),
+                None => "real in no direction".to_owned(),
             };
+            // The range is that of the real speeds alone.
+            let is_complex = |c: &Complex64| self.directional_speeds.is_complex(c);
+            let is_imaginary =
+                |c: &Complex64| !is_complex(c) && !self.directional_speeds.is_nonnegative(c);
+            let exceptions = [
+                (squares.iter().any(is_complex), "complex"),
+                (squares.iter().any(is_imaginary), "imaginary, c² < 0,"),
+            ];
+            let exceptions = exceptions.into_iter().filter(|(occurs, _)| *occurs);
+            let exceptions: String =
+                exceptions.map(|(_, kind)| format!("; {kind} in some directions")).collect();
+            let _ = writeln!(text, "  {number}  {range}{exceptions}");
         }
     }
 

@@ -47,7 +47,7 @@ impl BlochProblem {
             other => case.locate_error(models::InputError {
                 input: "block",
                 rejected_value: other.to_string(),
-                allowed_values: "blocks and joints of finite stiffness and mass".into(),
+                allowed_values: "expected blocks and joints of finite stiffness and mass".into(),
             }),
         })?;
         let continuum = case

@@ -7,7 +7,9 @@ use analysis::plane_shocks::PlaneWaveError;
 use dynamics::contact_law::ContactLaw;
 use dynamics::medium::Medium;
 use models::InputError;
-use models::granular_medium::{GranularMedium, GranularParameters};
+use models::granular_medium::{
+    GranularContact, GranularMedium, GranularParameters, MaxwellParticles,
+};
 use models::porous::{PoreContact, PorousMedium, PorousParameters};
 use models::solid::parameters::Isotropic;
 use models::uniaxial::UniaxialDiagram;
@@ -51,9 +53,10 @@ impl PlaneWaveMedium {
 /// Creates the granular or porous medium of a case.
 ///
 /// # Errors
-/// The case has no such medium, or a constant is out of range.
+/// The case has no such medium, a constant is out of range, or the medium has viscosity.
 pub fn create_medium(case: &Case) -> Result<PlaneWaveMedium, CaseError> {
     let contacts = case.require_contacts()?;
+    check_without_viscosity(&case.material, contacts)?;
     create_material_medium(&case.material, contacts)
 }
 
@@ -78,7 +81,7 @@ pub(crate) fn create_material_medium(
     let (density, shear_modulus) = (elastic.density, elastic.mu);
     let bulk_modulus = elastic.lambda + 2.0 / 3.0 * elastic.mu;
     let created = match *contacts {
-        ContactMedium::Granular { friction, yield_stress, intensity_coefficient } => {
+        ContactMedium::Granular { friction, yield_stress, intensity_coefficient, .. } => {
             let parameters = GranularParameters {
                 density,
                 bulk_modulus,
@@ -95,6 +98,7 @@ pub(crate) fn create_material_medium(
             contact_bulk_modulus,
             contact_cone,
             intensity_coefficient,
+            ..
         } => {
             let contact = match contact_cone {
                 None => PoreContact::Spherical,
@@ -118,10 +122,44 @@ pub(crate) fn create_material_medium(
     created.map_err(|error| material.locate_medium_error(error))
 }
 
+/// Returns the viscosities η_s and η_v of particles, Pa·s.
+fn viscosities(contacts: &ContactMedium) -> [Option<f64>; 2] {
+    match contacts {
+        ContactMedium::Granular { viscosities, .. } => *viscosities,
+        ContactMedium::Porous { .. } => [None; 2],
+    }
+}
+
+/// Checks that plane waves of a material are known exactly: it has no viscosity.
+///
+/// # Errors
+/// A viscosity is given.
+pub(crate) fn check_without_viscosity(
+    material: &Material,
+    contacts: &ContactMedium,
+) -> Result<(), CaseError> {
+    let [shear, bulk] = viscosities(contacts);
+    let plastic = match contacts {
+        ContactMedium::Porous { plastic_viscosity, .. } => *plastic_viscosity,
+        ContactMedium::Granular { .. } => None,
+    };
+    let values =
+        [("shear_viscosity", shear), ("bulk_viscosity", bulk), ("plastic_viscosity", plastic)];
+    match values.into_iter().find_map(|(key, value)| Some((key, value?))) {
+        None => Ok(()),
+        Some((input, value)) => Err(material.locate_medium_error(InputError {
+            input,
+            rejected_value: format!("{value:?}"),
+            allowed_values: "leave it out: the waves are known for media without viscosity"
+                .to_owned(),
+        })),
+    }
+}
+
 /// Creates the solver medium of a granular or porous medium in a grid of `dimensions` axes.
 ///
 /// # Errors
-/// A constant is out of range, or the walls of pores have friction.
+/// A constant is out of range, or the walls of pores have friction in a plastic skeleton.
 pub(crate) fn create_solver_medium(
     material: &Material,
     contacts: &ContactMedium,
@@ -129,28 +167,46 @@ pub(crate) fn create_solver_medium(
 ) -> Result<Medium, CaseError> {
     match create_material_medium(material, contacts)? {
         PlaneWaveMedium::Granular(medium) => {
-            Ok(Medium::with_contact(ContactLaw::from(&medium), dimensions))
+            let law = match viscosities(contacts) {
+                [None, None] => ContactLaw::from(&medium),
+                given => {
+                    let shear_modulus = medium.parameters().shear_modulus;
+                    let particles =
+                        MaxwellParticles::new(&GranularContact::new(&medium), shear_modulus, given)
+                            .map_err(|error| material.locate_medium_error(error))?;
+                    ContactLaw::from_viscous(&medium, particles)
+                }
+            };
+            Ok(Medium::with_contact(law, dimensions))
         }
         PlaneWaveMedium::Porous(porous) => {
             let Some(law) = ContactLaw::from_porous(&porous) else {
-                return Err(
-                    material.locate_medium_error(InputError {
-                        input: "contact",
-                        rejected_value: "cone".to_owned(),
-                        allowed_values:
-                            "expected spherical: runs have no friction of the walls of pores"
-                                .to_owned(),
-                    }),
-                );
+                return Err(material.locate_medium_error(InputError {
+                    input: "contact",
+                    rejected_value: "cone".to_owned(),
+                    allowed_values:
+                        "expected spherical, or no porous.yield_stress: the skeleton must be \
+                             elastic if the walls of pores have friction"
+                            .to_owned(),
+                }));
             };
             let medium = Medium::with_contact(law, dimensions);
-            let PorousParameters { yield_stress, intensity_coefficient, .. } = *porous.parameters();
-            Ok(match yield_stress {
-                // √(c² s:s) ≤ τ_s is √(½ s:s) ≤ τ_s/√(2c²).
-                Some(limit) => medium.with_yield_set(Mises::new_von_mises(
-                    limit / (2.0 * intensity_coefficient).sqrt(),
-                )),
-                None => medium,
+            let PorousParameters { shear_modulus, yield_stress, intensity_coefficient, .. } =
+                *porous.parameters();
+            // √(c² s:s) ≤ τ_s is √(½ s:s) ≤ τ_s/√(2c²).
+            let set =
+                |limit: f64| Mises::new_von_mises(limit / (2.0 * intensity_coefficient).sqrt());
+            let plastic_viscosity = match contacts {
+                ContactMedium::Porous { plastic_viscosity, .. } => *plastic_viscosity,
+                ContactMedium::Granular { .. } => None,
+            };
+            Ok(match (yield_stress, plastic_viscosity) {
+                (None, _) => medium,
+                (Some(limit), None) => medium.with_yield_set(set(limit)),
+                (Some(limit), Some(viscosity)) => {
+                    let time = viscosity / (2.0 * shear_modulus * intensity_coefficient);
+                    medium.with_yield_set(set(limit)).with_overstress_time(time)
+                }
             })
         }
     }

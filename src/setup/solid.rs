@@ -103,7 +103,7 @@ fn solid_kind(material: &Material) -> Result<SolidKind, InputError> {
             input: "kind",
             rejected_value: format!("{}, a flow", material.kind.name()),
             allowed_values: format!(
-                "this needs a solid ({}); for flows see wellposed point and map",
+                "expected a solid ({}); for flows see wellposed point and map",
                 join_names(&ModelKind::solid_kinds())
             ),
         }),

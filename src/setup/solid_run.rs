@@ -23,6 +23,7 @@ use dynamics::problem::{
     DomainError, Grid, PlasticStep, Problem, SHEAR_INTERVALS, Scheme, Splitting,
 };
 use dynamics::simulation::TimeSteps;
+use dynamics::solid::metric::Metric;
 pub(crate) use geometry::{cell_centre, create_probe, find_containing_cell};
 use models::solid::waves::SolidField;
 
@@ -71,11 +72,11 @@ pub(crate) fn compute_time_steps(
     media: &[Medium],
 ) -> Result<TimeSteps, CaseError> {
     let SolidTime { duration, courant_number, max_rotation_deg: rotation_deg, .. } = solid_run.time;
-    let (rotation, spacing) = (rotation_deg.to_radians(), &solid_run.grid.spacing);
+    let (rotation, spacing) = (rotation_deg.to_radians(), &solid_run.grid.smallest_edges());
     let courant = (courant_number, find_shear_interval(solid_run, media)?);
     let steps = TimeSteps::new(media, spacing, courant, rotation, duration);
     steps.map_err(|error| {
-        let allowed = "at most 10¹² steps: give a shorter duration, or larger cells";
+        let allowed = "expected at most 10¹² steps: give a shorter duration, or larger cells";
         solid_run.key_error("time.duration", error.to_string(), allowed)
     })
 }
@@ -183,8 +184,12 @@ impl<const D: usize> SolidSetup<D> {
         ranges::check_constants(case, solid_run)?;
         let wave_range = ranges::WaveRange::new(solid_run, &media);
         ranges::check_amplitudes(&wave_range)?;
-        let cells = std::array::from_fn(|axis| solid_run.grid.cells[axis]);
-        let spacing = std::array::from_fn(|axis| solid_run.grid.spacing[axis]);
+        let cells: [usize; D] = std::array::from_fn(|axis| solid_run.grid.cells[axis]);
+        let mut spacing: [f64; D] = std::array::from_fn(|axis| solid_run.grid.spacing[axis]);
+        let metric = solid_run.grid.is_polar().then(|| {
+            spacing[0] = spacing[0].to_radians();
+            Metric::new_polar(solid_run.grid.origin[1], cells[1], [spacing[0], spacing[1]])
+        });
         let steps = compute_time_steps(solid_run, &media)?;
         ranges::check_joints(solid_run, &media, steps.step)?;
         let of_cell = solid_run.compute_cell_media()?;
@@ -212,8 +217,7 @@ impl<const D: usize> SolidSetup<D> {
             converter.compute_gravity_and_initial_stress::<D>(&media, &of_cell)?;
         let layers = initial_stress.as_ref().map_or(&[][..], |(_, layers)| layers);
         wave_range.check_gravity_and_initial_stress(&acceleration, layers)?;
-        let initial_fields =
-            converter.create_initial_fields::<D>(case, media.len(), &wave_range)?;
+        let initial_fields = converter.create_initial_fields::<D>(case, &media, &wave_range)?;
         let problem = Problem {
             interlayers: converter.create_interlayers(steps.step)?,
             loads,
@@ -227,6 +231,7 @@ impl<const D: usize> SolidSetup<D> {
                 .map(|component| component.0)
                 .collect(),
             shear_interval: steps.shear_interval,
+            metric,
             ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
         };
         problem.validate().map_err(|error| locate_domain_error(solid_run, &error))?;

@@ -5,6 +5,7 @@ use crate::case::{Case, WaveNumbers};
 use crate::{Error, setup};
 use analysis::solids::{BranchGroup, BranchPoint, group_branches};
 use models::InputError;
+use models::common::decimal::format_exact;
 use models::elastoplastic::Solid;
 use serde::Serialize;
 
@@ -116,11 +117,10 @@ pub fn compute_dispersion(
     if solid.plastic_state.as_ref().is_some_and(|plastic| plastic.multiplier_rate > 0.0) {
         let error = InputError {
             input: "plastic_rate",
-            rejected_value: format!("{:?}", case.material.numbers.plastic_rate),
-            allowed_values:
-                "0: branches are followed of waves that nothing damps; wellposed point has \
+            rejected_value: format_exact(case.material.numbers.plastic_rate),
+            allowed_values: "expected 0: only undamped waves are followed; wellposed point has \
                       the roots of damped ones"
-                    .into(),
+                .into(),
         };
         return Err(case.locate_error(error).into());
     }
@@ -151,7 +151,8 @@ pub fn compute_dispersion(
             input: "model",
             rejected_value: "numbers whose waves cannot be followed".into(),
             allowed_values:
-                "moduli, inertias and wave numbers whose frequencies and speeds are finite".into(),
+                "expected moduli, inertias and wave numbers whose frequencies and speeds are finite"
+                    .into(),
         };
         return Err(case.locate_error(error).into());
     }

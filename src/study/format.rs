@@ -21,6 +21,14 @@ pub fn format_short(x: f64) -> String {
     }
 }
 
+/// Formats a count with its noun: `1 point`, `12 points`. The plural is the noun and `s`.
+pub fn format_count(count: usize, noun: &str) -> String {
+    match count {
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
 /// Formats an order of growth as an integer or a fraction with a denominator up to 12, otherwise as a decimal number.
 pub fn format_order(order: f64) -> String {
     for denominator in 1..=12 {
@@ -110,6 +118,14 @@ mod tests {
         ] {
             assert_eq!(format_short(number), expected);
         }
+    }
+
+    #[test]
+    fn nouns_of_one_are_singular() {
+        assert_eq!(
+            [0, 1, 2].map(|count| format_count(count, "point")),
+            ["0 points", "1 point", "2 points"]
+        );
     }
 
     #[test]

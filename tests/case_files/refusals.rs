@@ -32,7 +32,7 @@ const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     ("'All sections'", "7", "1: title: ", "text in quotes"),
     ("'All sections'", "\"two\\nlines\"", "1: title: ", "text in quotes"),
     ("title =", "name = 3\ntitle =", "1: name: ", "the integer 3; expected text in quotes"),
-    ("title =", "name = ''\ntitle =", "1: name: ", "found ''; expected text"),
+    ("title =", "name = ''\ntitle =", "1: name: ", "found ''; expected 1 to 255 letters"),
     ("title =", "name = '..'\ntitle =", "1: name: ", "not only dots"),
     ("title =", "name = 'a/b'\ntitle =", "1: name: ", "found 'a/b'"),
     ("kind = 'harris-grekova'", "kind = 3", "3: model.kind: ", "harris-grekova, double-shearing"),
@@ -75,9 +75,9 @@ const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     ("points = 5", "points = 9223372036854775807", "23: map.x.points: ", "at most 100000000 points"),
     ("from = 1,", "from = nan,", "23: map.x.from: ", "not finite"),
     ("to = 9,", "to = inf,", "23: map.x.to: ", "not finite"),
-    ("to = 9,", "to = 1,", "23: map.x.to: ", "two different ends"),
+    ("to = 9,", "to = 1,", "23: map.x.to: ", "expected to > from, or points = 1"),
     ("from = 1, to = 9,", "from = -1e308, to = 1e308,", "23: map.x.to: ", "whose difference overflows"),
-    ("from = 1, to = 9,", "from = 1.7e308, to = -1e308,", "23: map.x.from: ", "whose difference overflows"),
+    ("from = 1, to = 9,", "from = 1.7e308, to = -1e308,", "23: map.x.to: ", "expected to > from: exchange them"),
     ("to = 9,", "to = 1.0000000000000004,", "23: map.x.points: ", "too close to differ"),
     ("from = 1, to = 9,", "from = 0, to = 1e-323,", "23: map.x.points: ", "too close to differ"),
     ("from = 1, to = 9,", "from = -9, to = -8.999999999999998,", "23: map.x.points: ", "too close to differ"),
@@ -139,7 +139,8 @@ fn error_of_swept_parameter_names_the_sweep() {
         let background = corner.build_located_model().unwrap().background(&corner.to_flow_state());
         case.locate_error_in_map(background.unwrap_err()).to_string()
     };
-    let expected = "background.pressure: found -3, a value of the sweep map.x; the pressure must";
+    let expected =
+        "background.pressure: found -3, a value of the sweep map.x; expected a pressure above";
     let error = located(&["map.x.points=5"]);
     assert!(error.starts_with(&format!("--set map.x.points=5: {expected}")), "{error}");
     let error = located(&["map.x.points=5", "map.x.from=-3"]);
@@ -159,13 +160,13 @@ fn errors_in_settings_name_the_option() {
         ("background.pressure=nan", "background.pressure: found nan, which is not finite"),
         ("background.pressure=", "background.pressure: found the text ''"),
         ("background.pressure=1\n[wave]", "background.pressure: found the text"),
-        ("background.pressure", "no '='"),
-        ("background=1", "background: a section; name a key inside it: density, "),
+        ("background.pressure", "found no '='; expected --set section.key=value"),
+        ("background=1", "background: found a section; expected a key inside it: density, "),
         ("map.x.points=0", "map.x.points: found the integer 0"),
-        ("map.x.points=99999999", "map.x.points: a grid of 99999999 × 3 points"),
+        ("map.x.points=99999999", "map.x.points: found a map of 99999999 × 3 points"),
         ("map.y.parameter=background.pressure", "map.y.parameter: found background.pressure on"),
         ("model.kind=tensor", "model.kind: found 'tensor'; allowed: harris-grekova"),
-        ("=1", "no key before '='; write --set section.key=value"),
+        ("=1", "found no key before '='; expected --set section.key=value"),
         ("background.density=0x", "background.density: found '0x', which is not a number"),
         ("name=.", "name: found '.'"),
     ] {

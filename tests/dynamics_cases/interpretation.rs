@@ -48,9 +48,12 @@ fn run_template_contains_every_key() {
     });
     let blocks: Vec<_> = blocks.collect();
     let document = |header: &str, text: &str| {
-        let others = blocks.iter().filter(|block| ["[grid]", "[time]"].contains(&block.0));
-        let others: String =
-            others.filter(|block| block.0 != header).map(|block| block.1.clone()).collect();
+        // The first form of each section: the rectangular grid.
+        let others = ["[grid]", "[time]"].into_iter().filter(|other| *other != header);
+        let others: String = others
+            .filter_map(|other| blocks.iter().find(|block| block.0 == other))
+            .map(|block| block.1.clone())
+            .collect();
         format!("{model}\n{others}{text}")
     };
     let is_shown = |header: &str, key: &str| {

@@ -193,18 +193,27 @@ fn settings_reach_all_sections() {
 #[test]
 fn invalid_settings_are_refused() {
     for (set, message) in [
-        ("load[3].amplitude=1", "load: the index 3 of 3; expected an index from 0 to 2"),
-        ("load.amplitude=1", "load: a list of 3; write load[0] with an index from 0 to 2"),
-        ("grid[0].cells=1", "grid: the index 0; grid is not a list"),
-        ("grid.cells[0]=1", "grid.cells: the index 0; set the value as a whole"),
-        ("grid.cells.x=1", "grid.cells: not a section; a key inside it cannot be set"),
+        ("load[3].amplitude=1", "load: found the index 3; expected an index from 0 to 2"),
+        (
+            "load.amplitude=1",
+            "load: found no index for a list of 3; expected load[i] with an index from 0 to 2",
+        ),
+        ("grid[0].cells=1", "grid: found the index 0; expected grid.KEY: grid is not a list"),
+        (
+            "grid.cells[0]=1",
+            "grid.cells: found the index 0; expected grid.cells=VALUE: set the value as a whole",
+        ),
+        (
+            "grid.cells.x=1",
+            "grid.cells: found a key inside a value; expected grid.cells=VALUE: set the value as a whole",
+        ),
         (
             "load[x].at=1",
-            "load[x].at: not a key; write section.key or section[0].key, the index counted from 0",
+            "load[x].at: found no key; expected section.key or section[0].key, the index counted from 0",
         ),
         (
             "load[0]=1",
-            "load[0]: found the integer 1; name a key inside it, or give a table in braces",
+            "load[0]: found the integer 1; expected load[0].KEY, or a table in braces { key = value }",
         ),
         ("grid=1", "grid: found the integer 1; expected a section [grid]"),
         ("load=1", "load: found the integer 1; expected sections [[load]]"),
@@ -238,12 +247,14 @@ fn invalid_settings_are_refused() {
     assert!(error.starts_with(start), "{error}");
     let error = parse_case_with(SPATIAL_CASE, &["receiver[1].at=[0,0,0]"]).unwrap_err();
     assert!(
-        error.ends_with("receiver: the index 1 of 1; expected an index from 0 to 0"),
+        error.ends_with(
+            "receiver: found the index 1; expected the index 0: the list has one section"
+        ),
         "{error}"
     );
     let (model, _) = PLANE_CASE.split_once("[grid]").unwrap();
     let error = parse_case_with(model, &["load[0].at=1"]).unwrap_err();
-    let end = "load: the index 0 of an empty list; add [[load]] to the file first";
+    let end = "load: found the index 0, but there is no [[load]]; add a section [[load]] to the case file";
     assert_eq!(error, format!("--set load[0].at=1: {end}"));
 }
 

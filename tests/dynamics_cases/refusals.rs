@@ -14,7 +14,7 @@ fn model_errors_name_the_line_of_the_region() {
         region.locate_error(setup::solid::create_solid(region).unwrap_err()).to_string()
     };
     let text = replace_first(PLANE_CASE, "mu = 3e9", "mu = -3e9");
-    let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";
+    let start = "folder/x.toml:34: region[0].model.mu: found -3e9;";
     let error = located(&text, &[]);
     assert!(error.starts_with(start), "{error}");
     // The error of an inherited key names the line of that key.
@@ -40,7 +40,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("[grid]", "[grdi]", "19: grdi: unknown key; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [[block]], [[joint]], [time], [scheme], [[region]], [[boundary]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output]"),
         ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key; did you mean 'receiver'? allowed here: "),
         ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (cell size)"),
-        ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin"),
+        ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin, inner_radius"),
         ("courant = 0.9", "courant = 1.5", "25: time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant number): a sweep is unstable above 1"),
         ("courant = 0.9", "courat = 0.9", "25: time.courat: unknown key; did you mean 'courant'? allowed here: duration, courant, courant_of, rotation_deg"),
         ("courant = 0.9", "courant_of = 'p'", "25: time.courant_of: found 'p'; allowed: fastest, s"),
@@ -54,20 +54,20 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("cells = [20, 10]", "cells = [20, 0]", "20: grid.cells: found [20, 0]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
         ("cells = [20, 10]", "cells = [2000000, 1000000]", "20: grid.cells: a grid of 2000000 × 1000000; expected at most 4000000000 cells in total"),
         ("spacing = [0.5, 1]", "spacing = 1e-300", "21: grid.spacing: cells of 1e-300 m from -5.0 to -5.0; expected a spacing at which cell coordinates along x1 differ in double precision"),
-        ("lambda = 2e9", "dimensions = 3\nlambda = 2e9", "4: model.dimensions: found 3 in a grid of 2 dimensions; give 2, the number of entries of grid.cells, or leave it out"),
+        ("lambda = 2e9", "dimensions = 3\nlambda = 2e9", "4: model.dimensions: found 3 in a grid of 2 dimensions; expected 2, the number of entries of grid.cells; or leave the key out"),
         // regions
         ("model = { mu = 3e9 }", "model = { mu = 3e9, a1 = 4 }", "34: region[0].model.a1: not used by the model cosserat; leave it out (it belongs to cosserat-compliances)"),
         ("model = { mu = 3e9 }", "model = { mu = '3e9' }", "34: region[0].model.mu: found the text '3e9'; expected a finite number in Pa (shear modulus μ; > 0)"),
         ("model = { mu = 3e9 }", "model = { kind = 'classical' }", "34: region[0].model.kind: found classical, which does not admit the yield set cosserat-mises; add yield = { kind = ... } with one of none, interlayer, von-mises, drucker-prager"),
         ("model = { mu = 3e9 }", "model = { kind = 'reduced-cosserat', mu = 1, lambda = 1, density = 1, inertia = 1 }", "34: region[0].model.alpha: missing; add alpha to region[0].model: expected a finite number in Pa (modulus α of the antisymmetric strain; > 0)"),
-        ("model = { mu = 3e9 }", "model = { dimensions = 3 }", "34: region[0].model.dimensions: found 3 in a grid of 2 dimensions; give 2, the number of entries of grid.cells, or leave it out"),
-        ("model = { mu = 3e9 }", "model = { kind = 'double-shearing' }", "34: region[0].model.kind: found double-shearing, a flow; solids only: classical, reduced-cosserat, cosserat, cosserat-compliances"),
+        ("model = { mu = 3e9 }", "model = { dimensions = 3 }", "34: region[0].model.dimensions: found 3 in a grid of 2 dimensions; expected 2, the number of entries of grid.cells; or leave the key out"),
+        ("model = { mu = 3e9 }", "model = { kind = 'double-shearing' }", "34: region[0].model.kind: found double-shearing, a flow; expected one of classical, reduced-cosserat, cosserat, cosserat-compliances"),
         ("model = { mu = 3e9 }", "model = 3", "34: region[0].model: found the integer 3; expected a table in braces { key = value, ... }"),
         ("model = { mu = 3e9 }", "modl = { mu = 3e9 }", "34: region[0].modl: unknown key; did you mean 'model'? allowed here: shape, from, to, model, yield, contacts"),
         ("yield = { kind = 'none' }", "yield = { kind = 'non' }", "39: region[1].yield.kind: found 'non'; did you mean 'none'? allowed for cosserat: interlayer, von-mises, drucker-prager, cosserat-mises, none"),
         ("yield = { kind = 'none' }", "yield = { kind = 'none', strength = 1 }", "39: region[1].yield.strength: not used by an elastic solid; leave it out (it belongs to von-mises, drucker-prager, cosserat-mises)"),
         ("yield = { kind = 'von-mises', strength = 5 }", "yield = { kind = 'von-mises' }", "42: region[2].yield.strength: missing; add strength to region[2].yield: expected a finite number in Pa (strength k in shear; > 0)"),
-        ("shape = 'circle'", "shape = 'rest'", "37: region[1].center: unknown key; did you mean 'contacts'? allowed here: shape, model, yield, contacts"),
+        ("shape = 'circle'", "shape = 'rest'", "37: region[1].center: found, but not used here; leave it out: it is used with shape circle or sphere, here 'rest'"),
         ("shape = 'circle'\ncenter = [2.5, 5]\nradius = 1.5", "shape = 'rest'", "39: region[2].shape: a second region with shape rest, after region[1] (folder/x.toml:35); use shape = \"rest\" once"),
         ("shape = 'circle'", "shape = 'sphere'", "36: region[1].shape: found 'sphere' in a grid of 2 dimensions; write circle"),
         ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0.0, 0.0] with from = [-5.0, 0.0]; to must be greater than from along each axis"),
@@ -99,8 +99,8 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         // receivers and output
         ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver a unique name"),
-        ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes, at most 255 characters (letters, digits, '-', '_' and '.')"),
-        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
+        ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected a name of 1 to 255 characters (letters, digits, '-', '_' and '.')"),
+        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; expected each name once"),
         ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELD_NAMES}, dissipation")),
         ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that contains the text 'a'; expected a list of finite numbers in the unit of the picture (contour levels)"),
     ];
@@ -120,15 +120,15 @@ fn time_domain_runs_need_a_solid_and_a_grid() {
     let (model, rest) = PLANE_CASE.split_once("[grid]\n").unwrap();
     let (_, rest) = rest.split_once("[time]").unwrap();
     let error = parse_case(&format!("{model}[time]{rest}")).unwrap_err();
-    let end = "time: found without a grid; add a section [grid] with cells and spacing, or leave \
-               this one out";
+    let end = "time: found [time], but no [grid]; add a section [grid] with cells and spacing, which runs \
+               need; or leave [time] out";
     assert_eq!(error, format!("folder/x.toml:19: {end}"));
 
     let plane = wellposed::cli::new::generate_state_template(ModelKind::solid_kinds()[3])
         + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
     let error = parse_case(&plane).unwrap_err();
-    let end = "model.kind: found cosserat-compliances in a grid of 3 dimensions; it is a solid in \
-               plane strain: grid.cells must have 2 entries";
+    let end = "model.kind: found cosserat-compliances in a grid of 3 dimensions; expected 2 \
+               entries of grid.cells: this is a solid in plane strain";
     assert!(error.ends_with(end), "{error}");
 
     let classical = wellposed::cli::new::generate_state_template(ModelKind::solid_kinds()[0])

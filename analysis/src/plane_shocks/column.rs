@@ -102,6 +102,16 @@ impl Spall {
         Ok(own)
     }
 
+    /// Returns the duration t₀ of the pulse, s.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Returns the shape of the pulse.
+    pub fn shape(&self) -> PulseShape {
+        self.shape
+    }
+
     /// Returns the speed c of sound in the compressed column, m/s.
     pub fn sound_speed(&self) -> f64 {
         self.sound_speed

@@ -23,7 +23,9 @@ mod majorant;
 mod piston;
 mod release;
 
-pub use piston::{PistonLoad, PistonSolution, Profile, ProfilePiece, find_solitary_threshold};
+pub use piston::{
+    PistonLoad, PistonSolution, Profile, ProfilePiece, find_solitary_threshold, plastic_work,
+};
 pub use release::{Overtaking, Release};
 
 use models::uniaxial::SegmentState;

@@ -98,6 +98,11 @@ impl PistonSolution {
         Ok(Self { density, initial, piston: ahead, waves })
     }
 
+    /// Returns the speed of the fastest loading wave, m/s.
+    pub fn fastest_speed(&self) -> f64 {
+        self.waves.first().map_or(1.0, |wave| wave.speed)
+    }
+
     /// Returns the profile at the time `time` ≥ 0 after the start of the piston.
     pub fn profile(&self, time: f64) -> Profile {
         let fronts = self.waves.iter().map(|wave| (wave.speed * time, wave));
@@ -293,4 +298,22 @@ pub(super) fn front_dissipation(
             0.5 * (height(index - 1) + height(index)) * width
         })
         .sum()
+}
+
+/// Plastic work per unit volume on a monotone path between two strains of a diagram, J/m³, if yielding particles or a
+/// yielding skeleton take the work `rate` per unit of strain, Pa. Where the pressure is constant while the particles
+/// yield, they take all of the work.
+pub fn plastic_work(diagram: &UniaxialDiagram, strains: [f64; 2], rate: f64) -> f64 {
+    let [low, high] = [strains[0].min(strains[1]), strains[0].max(strains[1])];
+    let points = diagram.points_between(low, high);
+    let work = |pair: &[DiagramCorner]| {
+        let segment = diagram.segments()[diagram.segment_index_above(pair[0].strain)];
+        let width = pair[1].strain - pair[0].strain;
+        match (segment.state.is_plastic(), segment.slope) {
+            (false, _) => 0.0,
+            (true, 0.0) => pair[0].pressure.abs() * width,
+            (true, _) => rate * width,
+        }
+    };
+    points.windows(2).map(work).sum()
 }

@@ -1,13 +1,15 @@
-//! The built-in flow models and the plane Cosserat solid typed in as text, compared on random states.
+//! The built-in flow models and plane solids typed in as text, compared on random states.
 
 use crate::linearised::model_text;
 use crate::support::states::{DilatancyKind, sample_order_one, seeded_generator};
 use crate::support::typed_flows::type_in;
 use models::LinearisedSystem;
+use models::common::rates::RateEquations;
 use models::equations::{TextModel, TextState, TextWorkspace};
 use models::registry;
-use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use num_complex::Complex64;
+use testkit::random::RandomNumbers;
 use wellposed_analysis::growth::{self, Assessment, Verdict};
 use wellposed_analysis::pencil::{Pencil, PencilRoots};
 
@@ -145,41 +147,98 @@ fn typed_flow_models_equal_the_built_in_ones() {
     }
 }
 
-#[test]
-fn typed_cosserat_solid_equals_the_built_in_one() {
-    let model = TextModel::new(&model_text("typed-cosserat")).expect("a model");
-    let mut worst = 0.0f64;
+/// Compares 200 random solids of a built-in theory with the bundled case `name`; `draw` returns the equations of a solid,
+/// the parameters of the case, and √(ρ/j) or another wave number at which its terms are of one size, 1/m.
+fn compare_solids(
+    name: &str,
+    draw: impl Fn(&mut RandomNumbers) -> (LinearisedSystem<2>, Vec<f64>, f64),
+) {
+    let model = TextModel::new(&model_text(name)).expect("a model");
+    let (mut worst, mut undecided) = (0.0f64, 0);
     for seed in 0..200 {
         let random = &mut seeded_generator(seed);
-        let mu = random.log_uniform(1e-3, 1e10);
-        let gamma = mu * random.log_uniform(1e-8, 1e-2);
-        let couple =
-            CoupleModuli { beta: 0.3 * gamma, gamma, eta: gamma * random.uniform(0.1, 3.0) };
-        let (lambda, alpha) = (mu * random.uniform(-0.6, 3.0), mu * random.uniform(0.01, 3.0));
-        let density = random.log_uniform(0.1, 1e4);
-        let inertia = density * random.log_uniform(1e-6, 1.0);
-        let microrotation = Microrotation { alpha, inertia, couple: Some(couple) };
-        let solid = Isotropic::new(lambda, mu, density, Some(microrotation)).expect("moduli");
-        let (mut ours, mut typed) = (LinearisedSystem::default(), LinearisedSystem::default());
-        solid.rates::<2>().linearise(&mut ours);
-        let parameters = vec![lambda, mu, alpha, gamma, couple.eta, density, inertia];
+        let (ours, parameters, wave_number) = draw(random);
+        let mut typed = LinearisedSystem::default();
         let state = TextState { parameters, ..TextState::default() };
         model.linearise(&state, &mut TextWorkspace::default(), &mut typed).expect("smooth");
-        let what = format!("solid {seed}");
+        let what = format!("{name} {seed}");
         worst = worst.max(assert_same_entries(&what, &ours, &typed));
         let (mut own, mut other) = (Pencil::default(), Pencil::default());
         own.update(&ours).expect("finite");
         other.update(&typed).expect("finite");
-        if seed < 20 {
-            let assessments = [&own, &other].map(growth::assess);
-            assert_same_assessment(&what, &assessments[0], &assessments[1], 0.0);
-        }
-        let k = random.log_uniform(0.1, 10.0) * (density / inertia).sqrt();
+        let assessments = [&own, &other].map(growth::assess);
+        let agree = assert_same_assessment(&what, &assessments[0], &assessments[1], 0.0);
+        undecided += usize::from(!agree);
+        let k = random.log_uniform(0.1, 10.0) * wave_number;
         if let (PencilRoots::Regular { finite: a, .. }, PencilRoots::Regular { finite: b, .. }) =
             (own.roots(k, 0.4), other.roots(k, 0.4))
         {
             assert_same_roots(&what, &a, &b);
         }
     }
-    println!("cosserat: entries agree to {worst:e} of their row");
+    println!("{name}: entries agree to {worst:e} of their row; {undecided} of 200 marginal");
+    assert!(undecided <= 4, "{name}: {undecided} verdicts are marginal");
+}
+
+/// Moduli λ, μ and α, density and inertia of a random solid.
+fn draw_moduli(random: &mut RandomNumbers) -> [f64; 5] {
+    let mu = random.log_uniform(1e-3, 1e10);
+    let (lambda, alpha) = (mu * random.uniform(-0.6, 3.0), mu * random.uniform(0.01, 3.0));
+    let density = random.log_uniform(0.1, 1e4);
+    let inertia = density * random.log_uniform(1e-6, 1.0);
+    [lambda, mu, alpha, density, inertia]
+}
+
+fn linearise(rates: RateEquations<2>) -> LinearisedSystem<2> {
+    let mut system = LinearisedSystem::default();
+    rates.linearise(&mut system);
+    system
+}
+
+#[test]
+fn typed_classical_solid_equals_the_built_in_one() {
+    compare_solids("typed-classical", |random| {
+        let [lambda, mu, _, density, _] = draw_moduli(random);
+        let solid = Isotropic::new(lambda, mu, density, None).expect("moduli");
+        (linearise(solid.rates()), vec![lambda, mu, density], 1.0)
+    });
+}
+
+#[test]
+fn typed_reduced_cosserat_solid_equals_the_built_in_one() {
+    compare_solids("typed-reduced-cosserat", |random| {
+        let [lambda, mu, alpha, density, inertia] = draw_moduli(random);
+        let microrotation = Microrotation { alpha, inertia, couple: None };
+        let solid = Isotropic::new(lambda, mu, density, Some(microrotation)).expect("moduli");
+        let parameters = vec![lambda, mu, alpha, density, inertia];
+        (linearise(solid.rates()), parameters, (density / inertia).sqrt())
+    });
+}
+
+#[test]
+fn typed_cosserat_solid_equals_the_built_in_one() {
+    compare_solids("typed-cosserat", |random| {
+        let [lambda, mu, alpha, density, inertia] = draw_moduli(random);
+        let gamma = mu * random.log_uniform(1e-8, 1e-2);
+        let eta = gamma * random.uniform(0.1, 3.0);
+        let couple = Some(CoupleModuli { beta: 0.3 * gamma, gamma, eta });
+        let microrotation = Microrotation { alpha, inertia, couple };
+        let solid = Isotropic::new(lambda, mu, density, Some(microrotation)).expect("moduli");
+        let parameters = vec![lambda, mu, alpha, gamma, eta, density, inertia];
+        (linearise(solid.rates()), parameters, (density / inertia).sqrt())
+    });
+}
+
+#[test]
+fn typed_compliances_equal_the_built_in_ones() {
+    compare_solids("typed-cosserat-compliances", |random| {
+        let [_, mu, _, density, inertia] = draw_moduli(random);
+        let [a1, a2] = [0; 2].map(|_| random.log_uniform(0.1, 10.0) / mu);
+        let [b1, b2] = [a1, a2].map(|a| a * random.uniform(-0.9, 0.9));
+        let alpha2 = mu * random.log_uniform(1e-8, 1e-2);
+        let solid = PlaneCompliances { a1, b1, a2, b2, alpha2, density, inertia };
+        let solid = solid.check().expect("compliances");
+        let parameters = vec![a1, b1, a2, b2, alpha2, density, inertia];
+        (linearise(solid.rates()), parameters, (density / inertia).sqrt())
+    });
 }

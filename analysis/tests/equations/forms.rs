@@ -1,8 +1,13 @@
 //! The same model in other forms and dimensions; large models.
 
 use crate::support::states::seeded_generator;
-use models::Rounded;
-use models::equations::{JetVariable, ModelText, NamedText, Quantity, TextModel, TextState};
+use models::common::system::RoundedMatrix;
+use models::equations::{
+    JetVariable, ModelText, NamedText, Quantity, TextModel, TextState, TextWorkspace,
+};
+use models::{LinearisedSystem, Rounded};
+use nalgebra::DMatrix;
+use num_complex::Complex64;
 use wellposed_analysis::equations::{EquationsAssessment, EquationsWorkspace};
 use wellposed_analysis::growth::Verdict;
 
@@ -165,6 +170,95 @@ fn growth_in_space_is_located() {
     }
 }
 
+/// ċ = −Q²c − b M²c with a quadratic form Q that vanishes on a cone about a random axis a, and M = m·∇: to leading order
+/// decay as −Q² k⁴, but on the cone growth as b (m·n)² k², largest where n lies in the plane of a and m.
+#[test]
+fn growth_on_a_cone_of_degenerate_directions_is_located() {
+    let names = ["q11", "q22", "q33", "q12", "q13", "q23", "m1", "m2", "m3", "b"];
+    let q = |inner: &str| {
+        let term = |i: usize, j: usize| format!("d{i}(d{j}({inner}))");
+        format!(
+            "q11*{} + q22*{} + q33*{} + 2*(q12*{} + q13*{} + q23*{})",
+            term(1, 1),
+            term(2, 2),
+            term(3, 3),
+            term(1, 2),
+            term(1, 3),
+            term(2, 3)
+        )
+    };
+    let along = |inner: &str| format!("m1*d1({inner}) + m2*d2({inner}) + m3*d3({inner})");
+    let equation = format!("dt(c) = -({}) - b*({})", q(&q("c")), along(&along("c")));
+    let model = build(3, &["c"], &[], &names, &[&equation]);
+    let mut random = seeded_generator(10);
+    for trial in 0..6 {
+        let mut unit_vector = || {
+            let raw = [0; 3].map(|_| random.signed_uniform(0.05, 1.0));
+            let norm = raw.iter().map(|x| x * x).sum::<f64>().sqrt();
+            raw.map(|x| x / norm)
+        };
+        let (axis, slope) = (unit_vector(), unit_vector());
+        let (half_angle, growth) = (random.uniform(0.3, 1.3), random.uniform(0.1, 2.0));
+        let cosine = half_angle.cos();
+        // Q = |κ|² cos²α − (a·κ)².
+        let entry = |i: usize, j: usize| f64::from(i == j) * cosine * cosine - axis[i] * axis[j];
+        let mut parameters =
+            vec![entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)];
+        parameters.extend(slope);
+        parameters.push(growth);
+        let found = assess(&model, &parameters, &[]);
+        let (order, value) = coefficient(&found);
+        let between = axis.iter().zip(slope).map(|(a, b)| a * b).sum::<f64>().acos();
+        let [near, far] = [between - half_angle, between + half_angle].map(|x| x.cos().powi(2));
+        let expected = growth * near.max(far);
+        assert_eq!(order, 2.0, "{trial}");
+        assert!((value - expected).abs() < 1e-7 * expected, "{trial}: {value}, not {expected}");
+        let direction = found.direction.expect("ill-posed");
+        let along: f64 = direction.iter().zip(axis).map(|(a, b)| a * b).sum();
+        assert!((along.abs() - cosine).abs() < 1e-6, "{trial}: {direction:?}");
+        // With decay along M instead: well-posed.
+        *parameters.last_mut().expect("not empty") = -growth;
+        let verdict = assess(&model, &parameters, &[]).assessment.verdict;
+        assert_eq!(verdict, Verdict::WellPosed, "{trial}");
+    }
+}
+
+/// ċ = −κ·D·κ c − |κ|⁴ c has its largest growth rate g²/4 along the axis of the negative diffusivity −g.
+#[test]
+fn largest_growth_rate_in_space_is_located() {
+    let names = ["k11", "k22", "k33", "k12", "k13", "k23"];
+    let model = build(
+        3,
+        &["c"],
+        &[],
+        &names,
+        &["dt(c) = d1(k11*d1(c) + k12*d2(c) + k13*d3(c)) + d2(k12*d1(c) + k22*d2(c) + k23*d3(c)) \
+           + d3(k13*d1(c) + k23*d2(c) + k33*d3(c)) - d1(d1(d1(d1(c)))) - d2(d2(d2(d2(c)))) \
+           - d3(d3(d3(d3(c)))) - 2*(d1(d1(d2(d2(c)))) + d1(d1(d3(d3(c)))) + d2(d2(d3(d3(c)))))"],
+    );
+    let mut random = seeded_generator(11);
+    for trial in 0..3 {
+        let raw = [0; 3].map(|_| random.signed_uniform(0.05, 1.0));
+        let norm = raw.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let axis = raw.map(|x| x / norm);
+        let growth = random.uniform(0.1, 2.0);
+        let entry = |i: usize, j: usize| f64::from(i == j) - (1.0 + growth) * axis[i] * axis[j];
+        let parameters =
+            vec![entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)];
+        let mut state = TextState { parameters, ..TextState::default() };
+        let mut workspace = EquationsWorkspace::default();
+        let found = workspace.assess(&model, &mut state).expect("smooth");
+        assert_eq!(found.assessment.verdict, Verdict::WellPosed);
+        let located = workspace.locate_supremum(&model, &found).expect("finite");
+        let (supremum, direction) = located.expect("well-posed");
+        let expected = 0.25 * growth * growth;
+        let error = (supremum.growth_rate - expected).abs();
+        assert!(error < 1e-5 * expected, "{trial}: {supremum:?}, not {expected}");
+        let along: f64 = direction.iter().zip(axis).map(|(a, b)| a * b).sum();
+        assert!(1.0 - along.abs() < 1e-4, "{trial}: {direction:?}, not {axis:?}");
+    }
+}
+
 /// The third-order Korteweg–de Vries equation is well-posed; a regularised long-wave equation of the wrong sign has a root
 /// at infinity at a finite wave number.
 #[test]
@@ -208,4 +302,99 @@ fn sixteen_unknowns_are_analysed_and_seventeen_refused() {
     }
     let error = TextModel::new(&chain(17)).expect_err("too many").to_string();
     assert!(error.contains("17 unknowns") && error.contains("at most 16"), "{error}");
+}
+
+/// A viscous flow with the stress, the strain rate and a heat flux as unknowns, with coefficients that are numbers.
+fn flow_with_stresses() -> TextModel {
+    build(
+        2,
+        &["v1", "v2", "s11", "s12", "s22", "e12", "p", "T", "q1", "q2"],
+        &["v1", "v2"],
+        &["eta", "k"],
+        &[
+            "D(v1) = d1(s11) + d2(s12) + T*d1(T)",
+            "D(v2) = d1(s12) + d2(s22)",
+            "s11 = -p + 2*eta*d1(v1) + T^2*q1",
+            "2*s22 + 2*p = 4*eta*d2(v2)",
+            "s12 - 4*eta*e12 = 0",
+            "2*e12 = d1(v2) + d2(v1)",
+            "d1(v1) + d2(v2) = 0",
+            "D(T) + d1(q1) + d2(q2) = s12*e12",
+            "q1 = -k*T*d1(T)",
+            "3*q2 = -3*k*d2(d2(d2(T))) - 3*q1",
+        ],
+    )
+}
+
+/// The symbols with and without the unknowns that an equation gives have the same determinant but for a number.
+#[test]
+fn elimination_keeps_the_determinant() {
+    let model = flow_with_stresses();
+    // s11, s12, s22, e12, q1, q2.
+    assert_eq!(model.eliminated_count(), 6);
+    let mut state = TextState { parameters: vec![0.7, -0.4], ..TextState::default() };
+    for (unknown, orders, value) in [
+        (0, [0, 0, 1, 0], 1.5),
+        (1, [0; 4], -0.3),
+        (3, [0; 4], 2.1),
+        (5, [0; 4], 0.75),
+        (6, [0; 4], 3.0),
+        (7, [0; 4], 1.3),
+        (7, [0, 1, 0, 0], 0.2),
+        (8, [0; 4], 0.6),
+    ] {
+        state.set_background(JetVariable { unknown, orders }, Rounded::from_rounded(value));
+    }
+    let (mut full, mut reduced) = (LinearisedSystem::<2>::default(), LinearisedSystem::default());
+    let workspace = &mut TextWorkspace::default();
+    model.linearise(&state, workspace, &mut full).expect("smooth");
+    model.linearise_reduced(&state, workspace, &mut reduced).expect("smooth");
+    assert_eq!((full.unknowns.len(), reduced.unknowns.len()), (10, 4));
+    let determinant = |system: &LinearisedSystem<2>, rate: Complex64, k: [Complex64; 2]| {
+        let size = system.unknowns.len();
+        let mut symbol = DMatrix::from_fn(size, size, |i, j| {
+            let entry = |own: &RoundedMatrix| own[(i, j)].value;
+            rate * entry(&system.a)
+                + k[0] * entry(&system.b[0])
+                + k[1] * entry(&system.b[1])
+                + entry(&system.c)
+        });
+        for term in &system.higher_terms {
+            let [b, c] = term.space_powers.map(u32::from);
+            let powers = rate.powu(term.time_power.into()) * k[0].powu(b) * k[1].powu(c);
+            symbol[(term.row, term.column)] += powers * term.coefficient.value;
+        }
+        symbol.determinant()
+    };
+    let mut random = seeded_generator(9);
+    for _ in 0..50 {
+        let mut complex = || Complex64::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
+        let (rate, k) = (complex(), [complex(), complex()]);
+        let [a, b] = [&full, &reduced].map(|system| determinant(system, rate, k));
+        // The product of the pivots: 1, 2, 1, 2, 1, 3.
+        let error = (a / b).norm() - 12.0;
+        assert!(error.abs() < 1e-10 && (a / b).im.abs() < 1e-9, "{a}, {b}");
+    }
+}
+
+/// Sixteen unknowns with fluxes are analysed: only those that no equation gives count.
+#[test]
+fn unknowns_that_an_equation_gives_do_not_count() {
+    let mut text = chain(16);
+    for index in 0..16 {
+        text.unknowns.push(Quantity { name: format!("q{index}"), unit: None });
+        let equation = &mut text.equations[index].text;
+        *equation = format!("{equation} - d1(q{index})");
+        let flux = format!("q{index} = -{}*d1(u{index})", 1 << index);
+        text.equations.push(NamedText { name: format!("flux {index}"), text: flux });
+    }
+    let model = TextModel::new(&text).expect("a model");
+    assert_eq!(model.eliminated_count(), 16);
+    let found = assess(&model, &[], &[]);
+    assert_eq!(found.assessment.verdict, Verdict::WellPosed);
+    // Fluxes along the gradients: backward diffusion.
+    text.equations.iter_mut().skip(16).for_each(|own| own.text = own.text.replace("= -", "= "));
+    let found = assess(&TextModel::new(&text).expect("a model"), &[], &[]);
+    let (order, value) = coefficient(&found);
+    assert!(order == 2.0 && (value - 32768.0).abs() < 1e-6, "{order}, {value}");
 }

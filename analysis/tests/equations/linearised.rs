@@ -55,7 +55,8 @@ impl Assessed {
 
     /// Supremum of the growth rate of a well-posed state.
     pub fn supremum(&self) -> f64 {
-        self.workspace.locate_supremum(&self.model, &self.found).expect("well-posed").growth_rate
+        let found = self.workspace.locate_supremum(&self.model, &self.found).expect("finite");
+        found.expect("well-posed").0.growth_rate
     }
 }
 

@@ -1,9 +1,12 @@
 //! Jump conditions, admissibility, and conservation of mass, momentum and energy of whole profiles.
 
-use crate::media::{aluminium_foam, assert_close, diagram, random_diagram, sand, strong_foam};
+use crate::media::{
+    FOAM_YIELD_STRESS, aluminium_foam, assert_close, diagram, random_diagram, sand, strong_foam,
+};
+use models::granular_medium::{GranularMedium, GranularParameters};
 use models::uniaxial::UniaxialDiagram;
 use testkit::random::RandomNumbers;
-use wellposed_analysis::plane_shocks::{PistonLoad, PistonSolution};
+use wellposed_analysis::plane_shocks::{PistonLoad, PistonSolution, plastic_work};
 
 /// Asserts jump conditions ρc[v] = [p], c[ε] = [v], the order of the waves, the conditions of Lax and Oleinik, and that
 /// the whole profile conserves length, momentum and energy at several times.
@@ -92,4 +95,32 @@ fn media_have_admissible_conservative_solutions() {
     let diagram = sand().loading_diagram();
     let solution = PistonSolution::new(&diagram, 1800.0, -0.02, PistonLoad::Speed(3.0)).unwrap();
     assert_is_solution(&diagram, &solution);
+}
+
+/// Energy balance ∫p dε = stored energy + plastic work along the diagram, with the stored energies of mean stress,
+/// deviator and collapsed pores in closed form.
+#[test]
+fn plastic_work_is_the_work_that_is_not_stored() {
+    let foam = aluminium_foam(0.01);
+    let (limit, strain) = (FOAM_YIELD_STRESS, 0.013);
+    let closed = strain - foam.porosity;
+    let stored = 0.5 * foam.bulk_modulus * strain * strain
+        + 0.5 * foam.contact_bulk_modulus * closed * closed
+        + limit * limit / (2.0 * 0.75 * foam.shear_modulus);
+    let own = diagram(foam);
+    let found = plastic_work(&own, [strain, 0.0], 4.0 / 3.0 * limit);
+    assert_close(found, own.work(0.0, strain) - stored, 1e-12);
+
+    // Sand that yields on the cone, at a constant pressure, and then with closed contacts.
+    let sand = *sand().parameters();
+    let sand = GranularParameters { yield_stress: Some(5e6), ..sand };
+    let own = GranularMedium::new(sand).unwrap().loading_diagram();
+    assert!(
+        own.segments().iter().any(|segment| segment.state.is_plastic() && segment.slope == 0.0)
+    );
+    let strain = 0.02;
+    let stored =
+        0.5 * sand.bulk_modulus * strain * strain + 25e12 / (2.0 * 0.75 * sand.shear_modulus);
+    let found = plastic_work(&own, [-0.01, strain], 4.0 / 3.0 * 5e6);
+    assert_close(found, own.work(0.0, strain) - stored, 1e-12);
 }

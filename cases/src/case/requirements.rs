@@ -3,10 +3,14 @@
 use super::Case;
 use crate::equations::EquationsCase;
 use crate::error::CaseError;
+use crate::keys::SweepParameter;
+use crate::kind::ModelKind;
 use crate::map::MapAxes;
 use crate::plane_wave::{ContactMedium, PlaneWaveOptions};
 use crate::rheology::RheologyCase;
+use crate::template::choose_example_axes;
 use models::InputError;
+use models::common::decimal::format_exact;
 
 impl Case {
     /// Returns the model given as equations.
@@ -16,8 +20,7 @@ impl Case {
     pub fn require_equations(&self) -> Result<&EquationsCase, CaseError> {
         self.equations.as_ref().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
-            let allowed =
-                "this needs a model given as equations: wellposed new equations writes one";
+            let allowed = "expected a model given as equations: wellposed new equations writes one";
             self.material.positions.key_error("model.kind", found, allowed)
         })
     }
@@ -40,8 +43,8 @@ impl Case {
     pub fn require_rheology(&self) -> Result<&RheologyCase, CaseError> {
         self.rheology.as_ref().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
-            let allowed = "this needs a rheological scheme: a case with the sections [rheology] and \
-                           [load_path] in place of [model]; wellposed new rheology writes one";
+            let allowed = "expected a rheological scheme: sections [rheology] and [load_path] in place of \
+                           [model]; wellposed new rheology writes one";
             self.material.positions.key_error("model.kind", found, allowed)
         })
     }
@@ -57,14 +60,45 @@ impl Case {
     /// The case has no section `[map]`; the message says how to add one.
     pub fn require_map(&self) -> Result<&MapAxes, CaseError> {
         self.map.as_ref().ok_or_else(|| {
-            let axis =
-                "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
-            self.material.positions.key_error(
-                "map",
-                "missing",
-                format!("add a section [map] with x = {axis} and y"),
-            )
+            let [x, y] = self.example_map_axes();
+            let allowed = format!(
+                "add a section [map] with two numbers of the case, such as x = {x}, y = {y}"
+            );
+            self.material.positions.key_error("map", "missing", allowed)
         })
+    }
+
+    /// Returns two axes of a map that suit the case: for an elastic solid or a model given as equations, half to one and
+    /// a half times the first two numbers that are not zero.
+    fn example_map_axes(&self) -> [String; 2] {
+        let medium = self.medium();
+        let is_generic = match medium.kind {
+            ModelKind::Solid(_) => medium.yield_set.is_none(),
+            ModelKind::Flow(_) => false,
+            ModelKind::Equations | ModelKind::Rheology => true,
+        };
+        let own: Vec<(String, f64)> = match &self.equations {
+            Some(equations) => equations
+                .sweep_keys()
+                .zip(&self.material.numbers.equation_numbers)
+                .map(|(key, value)| (key.to_owned(), *value))
+                .collect(),
+            None => SweepParameter::all_parameters()
+                .filter(|own| own.key().name.starts_with("model.") && own.key().is_used_by(medium))
+                .filter_map(|own| Some((own.name(), own.value(&self.material.numbers)?)))
+                .collect(),
+        };
+        let mut axes = own.iter().filter(|(_, value)| *value != 0.0).map(|(name, value)| {
+            let [from, to] = [0.5 * value, 1.5 * value];
+            {
+                let [from, to] = [from.min(to), from.max(to)].map(format_exact);
+                format!("{{ parameter = \"{name}\", from = {from}, to = {to}, points = 41 }}")
+            }
+        });
+        match (is_generic, axes.next(), axes.next()) {
+            (true, Some(x), Some(y)) => [x, y],
+            _ => choose_example_axes(medium),
+        }
     }
 
     /// Returns the loads of plane waves in the granular or porous medium of the case.
@@ -98,9 +132,9 @@ impl Case {
     /// The case has a section `[granular]` or `[porous]`.
     pub fn check_without_contacts(&self) -> Result<(), CaseError> {
         let Some(own) = &self.material.contacts else { return Ok(()) };
-        let allowed = "use wellposed shocks, or leave the section out to analyse the elastic solid of \
-                       [model]";
-        let found = "found; this analyses solids without contacts and pores";
+        let allowed = "expected a solid without contacts and pores: use wellposed shocks or run, or leave the \
+                       section out to analyse the elastic solid of [model]";
+        let found = "found for this verb";
         Err(self.material.positions.key_error(own.section(), found, allowed))
     }
 }

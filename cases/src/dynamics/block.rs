@@ -435,7 +435,7 @@ pub(super) fn read_bounding_grid(root: &SectionReader) -> Result<SolidGrid, Case
         return Err(root.key_error("block", found, allowed));
     }
     let (spacing, origin) = (first.spacing.to_vec(), lower.to_vec());
-    let grid = SolidGrid { cells: cells.to_vec(), spacing, origin };
+    let grid = SolidGrid { cells: cells.to_vec(), spacing, origin, polar_bounds: None };
     let (section, _) = &entries[0];
     grid.check_resolution(section, if section.has_key("size") { "size" } else { "spacing" })?;
     Ok(grid)

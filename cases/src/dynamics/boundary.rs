@@ -286,12 +286,36 @@ impl SolidReader<'_> {
                 BoundaryConditionKind::Periodic => None,
                 _ => self.read_rectangle(&section)?,
             };
+            let is_periodic = condition == BoundaryConditionKind::Periodic;
+            if self.grid.is_circle() && face.axis == 0 && !is_periodic {
+                let found = format!("found {} on a polar grid of the whole circle", face.name());
+                let allowed = "leave it out: this side is joined to the opposite one; a sector, with \
+                               angles_deg of less than 360 degrees, has conditions there";
+                return Err(section.key_error("side", found, allowed));
+            }
+            if self.grid.is_polar() && face.axis == 1 && is_periodic {
+                let found = format!("found periodic on {}, a circle of a polar grid", face.name());
+                let allowed = "expected another condition: the two circles are not joined";
+                return Err(section.key_error("kind", found, allowed));
+            }
             section.finish()?;
-            conditions.push(FaceCondition { face, condition, rectangle: part });
+            // Added below for the whole circle.
+            if !(self.grid.is_circle() && is_periodic) {
+                conditions.push(FaceCondition { face, condition, rectangle: part });
+            }
+        }
+        let given = conditions.len();
+        if self.grid.is_circle() {
+            let periodic = |is_upper| FaceCondition {
+                face: BoundaryFace { axis: 0, is_upper },
+                condition: BoundaryConditionKind::Periodic,
+                rectangle: None,
+            };
+            conditions.extend([false, true].map(periodic));
         }
         let periodic: Vec<(usize, BoundaryFace)> = periodic_faces(&conditions).collect();
         let is_periodic = |face: BoundaryFace| periodic.iter().any(|(_, own)| *own == face);
-        for (index, face) in &periodic {
+        for (index, face) in periodic.iter().filter(|(index, _)| *index < given) {
             let (own, across) = (face.name(), face.opposite_face().name());
             if !is_periodic(face.opposite_face()) {
                 let found = format!("found periodic on {own} alone");

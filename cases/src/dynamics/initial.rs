@@ -61,7 +61,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             ValueType::OneOf(|_| InitialStateTerm::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"pulse\"",
-            "pulse: Gaussian exp(−(r/radius)²) of one component; plane-wave: eigenmode of the homogeneous medium; plane-pulse: plane P or S wave with a given time function, classical solids only; rotation: microrotation, Cosserat solids only; rigid-rotation: velocity (and spin) of a rigid body that rotates about a point; uniform: constant value of one component",
+            "pulse: Gaussian exp(−(r/radius)²) of one component; plane-wave: eigenmode of the homogeneous medium; plane-pulse: plane P or S wave with a given time function, classical solids only; rotation: microrotation, Cosserat solids only; rigid-rotation: velocity (and spin) of a rigid body that rotates about a point; uniform: constant value of one component; loosening: contacts opened by an extension, without stress, granular media only",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["pulse"])],
@@ -117,7 +117,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             ],
         ),
         KeyGroup::with_conditions(
-            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation", "uniform"])],
+            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation", "uniform", "loosening"])],
             &[KeySchema::new_required(
                 "shape",
                 ValueType::OneOf(|scope| RegionShape::allowed_names_in_scope(scope.dimensions, &RegionShape::WholeGrid)),
@@ -127,7 +127,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             )],
         ),
         KeyGroup::with_conditions(
-            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation", "uniform"])],
+            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation", "uniform", "loosening"])],
             SHAPE_KEYS,
         ),
         KeyGroup::with_conditions(
@@ -149,6 +149,13 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 .with_conditions(SPACE_CONDITION)],
         ),
         KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["uniform"])], &[FIELD_KEY, AMPLITUDE_KEY]),
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["loosening"])],
+            &[
+                KeySchema::new_required("extension", POSITIVE_TYPE, "", "0.01", "strain by which the contacts are open"),
+                KeySchema::new_optional("along", ValueType::Axis, "", "1", "axis of the extension, numbered from 1; default: all axes"),
+            ],
+        ),
     ],
 );
 
@@ -210,6 +217,15 @@ pub enum InitialStateTerm {
         /// Value, in the unit of the component.
         amplitude: f64,
     },
+    /// Contacts of a granular medium that are open by a strain inside a shape, without stress.
+    Loosening {
+        /// Shape inside which the contacts are open.
+        shape: RegionShape,
+        /// Extension by which they are open; positive.
+        extension: f64,
+        /// Axis of the extension, numbered from 0; `None` for all axes.
+        axis: Option<usize>,
+    },
 }
 
 /// Centre of a pulse, from which the distance r is measured.
@@ -228,8 +244,15 @@ pub enum PulseCentre {
 
 impl InitialStateTerm {
     /// Names of all kinds of initial state in case files.
-    pub const NAMES: [&str; 6] =
-        ["pulse", "plane-wave", "plane-pulse", "rotation", "rigid-rotation", "uniform"];
+    pub const NAMES: [&str; 7] = [
+        "pulse",
+        "plane-wave",
+        "plane-pulse",
+        "rotation",
+        "rigid-rotation",
+        "uniform",
+        "loosening",
+    ];
 
     /// Returns the name of the kind of initial state in case files.
     pub const fn name(&self) -> &'static str {
@@ -240,6 +263,18 @@ impl InitialStateTerm {
             Self::Rotation { .. } => "rotation",
             Self::RigidRotation { .. } => "rigid-rotation",
             Self::Uniform { .. } => "uniform",
+            Self::Loosening { .. } => "loosening",
+        }
+    }
+
+    /// Whether a medium with contacts can have the term: its velocities differ from zero, its stresses do not.
+    pub(super) fn is_allowed_with_contacts(&self) -> bool {
+        match self {
+            Self::Pulse { component, .. } | Self::Uniform { component, .. } => {
+                component.is_velocity()
+            }
+            Self::RigidRotation { .. } | Self::Loosening { .. } => true,
+            Self::PlaneWave { .. } | Self::PlanePulse(_) | Self::Rotation { .. } => false,
         }
     }
 
@@ -287,6 +322,14 @@ impl InitialStateTerm {
                 .write_keys(resolved, dimensions)
                 .with_text("field", field.to_string())
                 .with_number("amplitude", amplitude),
+            Self::Loosening { shape, extension, axis } => {
+                let resolved =
+                    shape.write_keys(resolved, dimensions).with_number("extension", extension);
+                match axis {
+                    Some(axis) => resolved.with_number("along", axis + 1),
+                    None => resolved,
+                }
+            }
         };
         resolved.to_section_toml(&SCHEMA)
     }
@@ -322,6 +365,11 @@ impl SolidReader<'_> {
                     center: section.read_required("at")?,
                     rate: section.read_required("rate")?,
                     axis: self.read_rotation_axis(&section)?,
+                },
+                "loosening" => InitialStateTerm::Loosening {
+                    shape: self.read_shape(&section, &RegionShape::WholeGrid)?,
+                    extension: section.read_required("extension")?,
+                    axis: section.read_optional::<usize>("along")?.map(|axis| axis - 1),
                 },
                 _ => InitialStateTerm::Uniform {
                     shape: self.read_shape(&section, &RegionShape::WholeGrid)?,

@@ -176,6 +176,10 @@ impl SolidReader<'_> {
                     "give either at (a point) or from and to (a part of the face), not both";
                 Err(section.key_error("at", "found beside from and to", allowed))
             }
+            (_, Some(_)) if self.grid.is_polar() => {
+                let allowed = "give from and to, the ends of an arc, instead of at";
+                Err(section.key_error("at", "found a point load on a polar grid", allowed))
+            }
             (_, Some(_)) if field.is_velocity() => {
                 let allowed = "give a stress or couple stress, or from and to instead of at";
                 Err(section.key_error("at", format!("found for the velocity {field}"), allowed))

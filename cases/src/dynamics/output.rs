@@ -300,7 +300,7 @@ impl SolidReader<'_> {
         let domain = ReceiverDomain {
             schema: &RECEIVER_SCHEMA,
             bounds: extents,
-            name: "grid",
+            domain: self.grid.position_domain(),
             has_interpolation: true,
         };
         read_receivers(root, &all, find, &domain)

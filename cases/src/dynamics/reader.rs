@@ -41,7 +41,7 @@ impl SolidReader<'_> {
         axes: &[usize],
     ) -> Result<(), CaseError> {
         let extents: Vec<[f64; 2]> = axes.iter().map(|&axis| self.grid.axis_bounds(axis)).collect();
-        check_position(section, "at", position, axes, &extents, "grid")
+        check_position(section, "at", position, axes, &extents, self.grid.position_domain())
     }
 
     /// Reads the component named by the key `field`, one of `among`.

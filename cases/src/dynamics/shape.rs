@@ -219,6 +219,11 @@ impl SolidReader<'_> {
             return Err(section.key_error("shape", found, format!("write {}", names[index])));
         }
         let index = section.read_choice("shape", &[0, 1, 2, 3, 4], |index: usize| names[index])?;
+        if self.grid.is_polar() && matches!(index, 1 | 3) {
+            let found = format!("found '{}' on a polar grid", names[index]);
+            let allowed = "expected box or layer: x1 is the angle in degrees, x2 the radius";
+            return Err(section.key_error("shape", found, allowed));
+        }
         Ok(match index {
             0 => {
                 let (from, to): (Vec<f64>, Vec<f64>) =

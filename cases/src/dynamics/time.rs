@@ -2,6 +2,7 @@
 
 use crate::error::CaseError;
 use crate::named_enum::named_enum;
+use crate::node::Node;
 use crate::schema::{AllowedRange, KeyGroup, KeySchema, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter};
 
@@ -73,7 +74,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"alternating\"",
-            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints, contacts and courant_of = \"s\" need two-cyclic",
+            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints, contacts, polar grids and courant_of = \"s\" need two-cyclic",
         ),
         KeySchema::new_with_default(
             "precision",
@@ -223,7 +224,8 @@ impl SolidTime {
 
 impl SchemeOptions {
     /// Reads the section `[scheme]` beside the section `[time]`; `yields` states whether at least one medium yields,
-    /// `has_joints` whether there are joints between blocks, `has_contacts` whether any medium is granular or porous.
+    /// `two_cyclic_cause` what requires two-cyclic sweeps beside the other two, `has_contacts` whether any medium is granular
+    /// or porous.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
     /// since plastic fronts are discontinuous, or has contacts. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
@@ -231,10 +233,11 @@ impl SchemeOptions {
     pub(super) fn read(
         root: &SectionReader,
         time: &SolidTime,
-        (yields, has_joints, has_contacts): (bool, bool, bool),
+        (yields, two_cyclic_cause, has_contacts): (bool, Option<&str>, bool),
     ) -> Result<Self, CaseError> {
-        let can_alternate =
-            !has_joints && !has_contacts && time.courant_waves == CourantWaves::Fastest;
+        let can_alternate = two_cyclic_cause.is_none()
+            && !has_contacts
+            && time.courant_waves == CourantWaves::Fastest;
         let order = match yields || has_contacts {
             true => ReconstructionScheme::Eno2,
             false => ReconstructionScheme::FourthOrder,
@@ -257,6 +260,26 @@ impl SchemeOptions {
             let splitting = default(ReturnMappingOrder::default());
             return Ok(Self { reconstruction: order, splitting, ..Self::default() });
         };
+        let cause = match (has_contacts, two_cyclic_cause) {
+            (true, _) => "granular and porous media",
+            (_, Some(cause)) => cause,
+            _ if time.courant_waves == CourantWaves::Shear => "courant_of = \"s\"",
+            _ => "correction = \"second-order\"",
+        };
+        check_choice(
+            &section,
+            "correction",
+            [ReturnMappingOrder::ALL, corrections],
+            ReturnMappingOrder::name,
+            cause,
+        )?;
+        check_choice(
+            &section,
+            "order",
+            [ReconstructionScheme::ALL, orders],
+            ReconstructionScheme::name,
+            cause,
+        )?;
         let correction = section
             .read_optional_choice("correction", corrections, ReturnMappingOrder::name)?
             .unwrap_or_default();
@@ -264,6 +287,13 @@ impl SchemeOptions {
             ReturnMappingOrder::FirstOrder if can_alternate => DimensionalSplitting::ALL,
             _ => &[DimensionalSplitting::TwoCyclic],
         };
+        check_choice(
+            &section,
+            "splitting",
+            [DimensionalSplitting::ALL, splittings],
+            DimensionalSplitting::name,
+            cause,
+        )?;
         let scheme = Self {
             reconstruction: section
                 .read_optional_choice("order", orders, ReconstructionScheme::name)?
@@ -293,4 +323,23 @@ impl SchemeOptions {
             .with_text("ledger", self.ledger_detail.name())
             .to_section_toml(&SCHEME_SCHEMA)
     }
+}
+
+/// Checks a choice that exists but that this case does not allow because of `cause`; other texts are not checked.
+/// `name_of` returns the name of a choice.
+fn check_choice<T: Copy + PartialEq>(
+    section: &SectionReader,
+    key: &str,
+    [all, allowed]: [&[T]; 2],
+    name_of: impl Fn(T) -> &'static str,
+    cause: &str,
+) -> Result<(), CaseError> {
+    let found = section.node(key).and_then(Node::as_text).unwrap_or_default();
+    let is_refused = |own: &&T| name_of(**own) == found && !allowed.contains(own);
+    if !all.iter().any(|own| is_refused(&own)) {
+        return Ok(());
+    }
+    let names: Vec<String> = allowed.iter().map(|own| format!("'{}'", name_of(*own))).collect();
+    let expected = format!("expected {}: {cause} allow no other", names.join(" or "));
+    Err(section.key_error(key, format!("found '{found}'"), expected))
 }

@@ -3,13 +3,14 @@
 use super::reader::FlowReader;
 use crate::error::{CaseError, escape};
 use crate::kind::ModelKind;
-use crate::position_checks::check_position;
+use crate::position_checks::{PositionDomain, check_position};
 use crate::schema::{
     AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
 };
 use crate::section::{SectionReader, TableWriter};
 use crate::value::parse_number;
 use files::FileDigest;
+use models::common::decimal::format_rounded;
 use models::flow::RotationKind;
 use std::path::Path;
 
@@ -246,7 +247,7 @@ impl FlowReader<'_> {
     fn read_position(&self, section: &SectionReader) -> Result<[f64; 2], CaseError> {
         let at: Vec<f64> = section.read_required("at")?;
         let extents = self.grid.lengths.map(|length| [0.0, length]);
-        check_position(section, "at", &at, &[0, 1], &extents, "box")?;
+        check_position(section, "at", &at, &[0, 1], &extents, PositionDomain::Box)?;
         <[f64; 2]>::try_from(at).map_err(|_| section.invalid_value_error("at"))
     }
 
@@ -301,7 +302,7 @@ impl FlowReader<'_> {
                 self.grid.points[0], self.grid.points[1]
             );
             let allowed = format!(
-                "at most {} and {}: use more grid points, or a longer wave",
+                "expected at most {} and {}: use more grid points, or a longer wave",
                 greatest[0], greatest[1]
             );
             return Err(section.key_error("mode", found, allowed));
@@ -330,7 +331,10 @@ impl FlowReader<'_> {
                 "found {to:?} with {} × {} points",
                 self.grid.points[0], self.grid.points[1]
             );
-            let allowed = format!("at most {greatest:?}: use more grid points, or longer waves");
+            let allowed = format!(
+                "expected at most {}: use more grid points, or longer waves",
+                format_rounded(greatest)
+            );
             return Err(section.key_error("to", found, allowed));
         }
         let first = |m1: i64| (from * from - (m1 * m1) as f64).max(0.0).sqrt().ceil();

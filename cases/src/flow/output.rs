@@ -4,6 +4,7 @@ use super::reader::FlowReader;
 use crate::dynamics::output::{CONTOURS_KEY, SNAPSHOT_INTERVAL_KEY, new_ledger_interval_key};
 use crate::error::CaseError;
 use crate::kind::ModelKind;
+use crate::position_checks::PositionDomain;
 use crate::receivers::{self, ReceiverDomain, ReceiverPoint, read_receivers};
 use crate::schema::{KeyGroup, KeySchema, SchemaScope, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter};
@@ -177,7 +178,7 @@ impl FlowReader<'_> {
         let domain = ReceiverDomain {
             schema: &RECEIVER_SCHEMA,
             bounds: extents,
-            name: "box",
+            domain: PositionDomain::Box,
             has_interpolation: false,
         };
         read_receivers(root, &all, |name| find_field(&all, name), &domain)

@@ -45,6 +45,22 @@ pub(crate) const GRANULAR_SCHEMA: TableSchema = TableSchema::new_section(
         .with_note("friction of the contacts"),
         YIELD_STRESS_KEY,
         INTENSITY_COEFFICIENT_KEY,
+        KeySchema::new_optional(
+            "shear_viscosity",
+            ValueType::Number(AllowedRange::Positive),
+            "Pa·s",
+            "1e6",
+            "viscosity η_s of the particles: the deviator of the stress decays by exp(−μt/η_s) at constant strain; for wellposed run",
+        )
+        .with_note("viscosity of shear"),
+        KeySchema::new_optional(
+            "bulk_viscosity",
+            ValueType::Number(AllowedRange::Positive),
+            "Pa·s",
+            "2e6",
+            "viscosity η_v of the particles: the pressure decays by exp(−kt/η_v) at constant strain; for wellposed run",
+        )
+        .with_note("viscosity of volume"),
     ])],
 );
 
@@ -80,6 +96,17 @@ pub(crate) const POROUS_SCHEMA: TableSchema = TableSchema::new_section(
                 "contact of the walls of pores; spherical: they transmit a mean stress when tr ε < −θ₀; cone: stresses τ ≤ æp",
             ),
         ]),
+        KeyGroup::with_conditions(
+            &[KeyCondition::Present("yield_stress")],
+            &[KeySchema::new_optional(
+                "plastic_viscosity",
+                ValueType::Number(AllowedRange::Positive),
+                "Pa·s",
+                "100.0",
+                "viscosity η_p of the plastic flow: at constant strain τ − τ_s decays by exp(−2μc²t/η_p); for wellposed run",
+            )
+            .with_note("viscosity of plastic flow")],
+        ),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("contact", &[PoreContactKind::Cone.name()])],
             &[

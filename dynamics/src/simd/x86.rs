@@ -205,7 +205,7 @@ unsafe fn gt_single512(one: __m512, other: __m512) -> u16 {
 #[inline(always)]
 unsafe fn shift_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
     unsafe {
-        let [high, low] = [high, low].map(|operand| _mm256_castpd_si256(operand));
+        let (high, low) = (_mm256_castpd_si256(high), _mm256_castpd_si256(low));
         let middle = _mm256_permute2x128_si256::<0x21>(low, high);
         _mm256_castsi256_pd(match BY {
             1 => _mm256_alignr_epi8::<8>(middle, low),
@@ -217,7 +217,7 @@ unsafe fn shift_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d
 #[inline(always)]
 unsafe fn shift_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
     unsafe {
-        let [high, low] = [high, low].map(|operand| _mm256_castps_si256(operand));
+        let (high, low) = (_mm256_castps_si256(high), _mm256_castps_si256(low));
         let middle = _mm256_permute2x128_si256::<0x21>(low, high);
         _mm256_castsi256_ps(match BY {
             1 => _mm256_alignr_epi8::<4>(middle, low),
@@ -229,7 +229,7 @@ unsafe fn shift_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
 #[inline(always)]
 unsafe fn shift_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d {
     unsafe {
-        let [high, low] = [high, low].map(|operand| _mm512_castpd_si512(operand));
+        let (high, low) = (_mm512_castpd_si512(high), _mm512_castpd_si512(low));
         _mm512_castsi512_pd(_mm512_alignr_epi64::<BY>(high, low))
     }
 }
@@ -237,7 +237,7 @@ unsafe fn shift_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d
 #[inline(always)]
 unsafe fn shift_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
     unsafe {
-        let [high, low] = [high, low].map(|operand| _mm512_castps_si512(operand));
+        let (high, low) = (_mm512_castps_si512(high), _mm512_castps_si512(low));
         _mm512_castsi512_ps(_mm512_alignr_epi32::<BY>(high, low))
     }
 }
@@ -282,8 +282,8 @@ unsafe fn blend_single512(operand: __m512, lanes: u16, other: __m512) -> __m512 
 unsafe fn minmod3_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
     unsafe {
         let sign = _mm256_set1_pd(-0.0);
-        let [mean, smallest, last] =
-            [mean, one, other].map(|operand| _mm256_andnot_pd(sign, operand));
+        let (mean, smallest) = (_mm256_andnot_pd(sign, mean), _mm256_andnot_pd(sign, one));
+        let last = _mm256_andnot_pd(sign, other);
         let smallest = _mm256_min_pd(_mm256_min_pd(mean, smallest), last);
         let smallest = _mm256_or_pd(smallest, _mm256_and_pd(sign, one));
         _mm256_blendv_pd(smallest, _mm256_setzero_pd(), _mm256_xor_pd(one, other))
@@ -293,7 +293,8 @@ unsafe fn minmod3_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m2
 #[inline(always)]
 unsafe fn minmod3_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
     unsafe {
-        let [mean, smallest, last] = [mean, one, other].map(|operand| _mm256_castps_si256(operand));
+        let (mean, smallest, last) =
+            (_mm256_castps_si256(mean), _mm256_castps_si256(one), _mm256_castps_si256(other));
         let smallest = _mm256_min_epu32(_mm256_min_epu32(mean, smallest), last);
         let differ = _mm256_xor_ps(one, other);
         _mm256_blendv_ps(_mm256_castsi256_ps(smallest), _mm256_setzero_ps(), differ)
@@ -303,7 +304,8 @@ unsafe fn minmod3_single256(mean: __m256, one: __m256, other: __m256) -> __m256 
 #[inline(always)]
 unsafe fn minmod3_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m512d {
     unsafe {
-        let [mean, one, other] = [mean, one, other].map(|operand| _mm512_castpd_si512(operand));
+        let (mean, one, other) =
+            (_mm512_castpd_si512(mean), _mm512_castpd_si512(one), _mm512_castpd_si512(other));
         let same = _mm512_movepi64_mask(_mm512_ternarylogic_epi64::<XNOR_TABLE>(one, one, other));
         let smallest = _mm512_min_epu64(one, other);
         _mm512_castsi512_pd(_mm512_maskz_min_epu64(same, smallest, mean))
@@ -313,7 +315,8 @@ unsafe fn minmod3_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m5
 #[inline(always)]
 unsafe fn minmod3_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
     unsafe {
-        let [mean, one, other] = [mean, one, other].map(|operand| _mm512_castps_si512(operand));
+        let (mean, one, other) =
+            (_mm512_castps_si512(mean), _mm512_castps_si512(one), _mm512_castps_si512(other));
         let same = _mm512_movepi32_mask(_mm512_ternarylogic_epi32::<XNOR_TABLE>(one, one, other));
         let smallest = _mm512_min_epu32(one, other);
         _mm512_castsi512_ps(_mm512_maskz_min_epu32(same, smallest, mean))

@@ -4,6 +4,9 @@
 //! returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the sound batches,
 //! and proceeds step by step to the last sound state. Fields between two steps are interpolated linearly between the
 //! states, so that stresses stay in their convex yield sets; accounts are those of the end of the step.
+//!
+//! Initial values, records and output are physical fields; in polar blocks those of the solver have a factor by layer
+//! ([`Problem::field_factor`]).
 
 use super::solver::{SolidSolver, SolverChoice};
 use super::{
@@ -188,7 +191,10 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     /// Sets the initial values; all fields must be zero.
     fn set_initial_values(&mut self) {
         for (field, values) in &self.initial_values {
-            let values: Vec<T> = values.iter().map(|value| T::from_f64(*value)).collect();
+            let values = values.iter().enumerate();
+            let values: Vec<T> = values
+                .map(|(cell, value)| T::from_f64(self.problem.field_factor_of_cell(cell) * value))
+                .collect();
             self.solver.set_field(*field, &values);
         }
         self.solver.initialise_interlayers();
@@ -230,11 +236,20 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         if self.watched_cells.is_empty() {
             return;
         }
+        let mut records = self.solver.take_records();
+        if self.problem.has_field_factors() {
+            let cells = self.watched_cells.iter().cycle();
+            for (record, cell) in records.chunks_exact_mut(self.solver.quantity_count()).zip(cells)
+            {
+                let factor = self.problem.field_factor_of_cell(*cell);
+                record.iter_mut().for_each(|value| *value /= factor);
+            }
+        }
         if self.records.is_empty() {
             self.first_record_step = first;
-            self.records = self.solver.take_records();
+            self.records = records;
         } else {
-            self.records.extend(self.solver.take_records());
+            self.records.extend(records);
         }
     }
 
@@ -382,9 +397,21 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn fields(&self) -> SolidFields {
+        let (mut values, mut plastic_dissipation) =
+            (self.solver.output_values(), self.solver.plastic_dissipation());
+        if self.problem.has_field_factors() {
+            for of_quantity in &mut values {
+                for (cell, value) in of_quantity.iter_mut().enumerate() {
+                    *value /= self.problem.field_factor_of_cell(cell);
+                }
+            }
+            for (cell, value) in plastic_dissipation.iter_mut().enumerate() {
+                *value /= self.problem.field_factor_of_cell(cell).powi(2);
+            }
+        }
         SolidFields {
-            values: self.solver.output_values(),
-            plastic_dissipation: self.solver.plastic_dissipation(),
+            values,
+            plastic_dissipation,
             interlayers: match self.problem.interlayers.is_empty() {
                 true => Vec::new(),
                 false => self.problem.interlayer_records(&self.solver.interlayer_history()),

@@ -237,13 +237,45 @@ pub(crate) struct MappedStress {
     pub(crate) dissipation_ratio: f64,
 }
 
-/// Applies the return mapping P (or the reflection 2P − I if `reflects`) to the stress given by its deviation from the
-/// initial stress; `None` if P leaves the total stress unchanged, since it is in its yield set.
+/// Weight w of a reflection, 2P − I, in [`map_stress`].
+pub(crate) const REFLECTION: f64 = -1.0;
+
+/// Returns whether a stress is outside the yield set of its medium, if the fields are `factor` times the physical fields.
+pub(crate) fn is_outside_yield_set(medium: &Medium, factor: f64, stress: &Stress) -> bool {
+    let physical = add_scaled(&Stress::default(), stress, 1.0 / factor);
+    medium.project(&physical).stress != physical
+}
+
+/// Maps a stress as [`map_stress`] does, if the fields are `factor` times the physical fields.
+pub(crate) fn map_scaled_stress(
+    medium: &Medium,
+    factor: f64,
+    deviation: &Stress,
+    initial: Option<&Stress>,
+    weight: f64,
+) -> Option<MappedStress> {
+    if factor == 1.0 {
+        return map_stress(medium, deviation, initial, weight);
+    }
+    let zero = Stress::default();
+    let physical = add_scaled(&zero, deviation, 1.0 / factor);
+    let mapped = map_stress(medium, &physical, initial, weight)?;
+    Some(MappedStress {
+        stress: add_scaled(&zero, &mapped.stress, factor),
+        dissipation: factor * factor * mapped.dissipation,
+        initial_stress_work: factor * factor * mapped.initial_stress_work,
+        dissipation_ratio: mapped.dissipation_ratio,
+    })
+}
+
+/// Applies the return mapping P + w(I − P) to the stress given by its deviation from the initial stress; w = 0 is the
+/// projection P, w = −1 the reflection 2P − I, and 0 < w < 1 leaves the part w of the overstress. `None` if P leaves the
+/// total stress unchanged, since it is in its yield set.
 pub(crate) fn map_stress(
     medium: &Medium,
     deviation: &Stress,
     initial: Option<&Stress>,
-    reflects: bool,
+    weight: f64,
 ) -> Option<MappedStress> {
     let zero = Stress::default();
     let offset = initial.unwrap_or(&zero);
@@ -252,13 +284,13 @@ pub(crate) fn map_stress(
     if projection.stress == trial {
         return None;
     }
-    let factor = if reflects { 2.0 } else { 1.0 };
+    let factor = 1.0 - weight;
     let plastic = add_scaled(&trial, &projection.stress, -1.0);
     let energy = |stress: &Stress| medium.stored_energy(stress);
-    // With the trial stress s̄, its projection s and the energy norm |·|: ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² −
-    // ½|s̄ − s|²).
-    let reflection_loss = if reflects { energy(&plastic) } else { 0.0 };
-    let dissipation = factor * (projection.energy_lost - reflection_loss);
+    // With the trial stress s̄, its projection s, d = s̄ − s and the energy norm |·|: ½|s̄|² − ½|s + wd|² = (1 − w)(½|s̄|² −
+    // ½|s|² + ½w|d|²).
+    let energy_of_rest = if weight == 0.0 { 0.0 } else { weight * energy(&plastic) };
+    let dissipation = factor * (projection.energy_lost + energy_of_rest);
     // Inner product, in the energy norm, of the plastic stress change and the initial stress.
     let initial_stress_work = initial.map_or(0.0, |initial| {
         let combined = add_scaled(&plastic, initial, 1.0);
@@ -269,9 +301,9 @@ pub(crate) fn map_stress(
         dissipation_ratio >= -1e-14,
         "the correction adds energy: {dissipation_ratio:e} of what is there"
     );
-    let mapped = match reflects {
-        true => add_scaled(&projection.stress, &plastic, -1.0),
-        false => projection.stress,
+    let mapped = match weight == 0.0 {
+        true => projection.stress,
+        false => add_scaled(&projection.stress, &plastic, weight),
     };
     Some(MappedStress {
         stress: add_scaled(&mapped, offset, -1.0),

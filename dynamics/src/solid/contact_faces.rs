@@ -22,7 +22,7 @@ use super::medium::Medium;
 use super::problem::Problem;
 use super::reconstruction::{InterlayerStencil, Slopes};
 use super::riemann::{InterfaceState, State};
-use crate::simd::{Number, Real, Vector};
+use crate::simd::{LaneGroup, Number, Real, Vector};
 use models::uniaxial::NO_LIMIT;
 
 /// Constants of a medium at faces normal to an axis, for the longitudinal pair of waves.
@@ -37,6 +37,8 @@ pub(crate) struct ContactConstants<N> {
     pub(crate) porosity: N,
     /// Greatest strain per sum of velocity jumps, 2t/h, s/m.
     pub(crate) strain_per_velocity: N,
+    /// Greatest strain per sum of stress jumps, 2t/(hz) with the impedance z of open pores, 1/Pa.
+    pub(crate) strain_per_stress: N,
     /// 1 in granular media without tension, else 0.
     pub(crate) is_granular: N,
     /// Volumetric strain of open contacts per sum of the normal components of the excess stress, 1/(3k), 1/Pa; 0 in other
@@ -73,6 +75,7 @@ impl<T: Real> ContactConstants<T> {
             impedance_ratio: T::from_f64(closed_impedance / open.impedance()),
             porosity: T::from_f64(porosity),
             strain_per_velocity: T::from_f64(2.0 * duration),
+            strain_per_stress: T::from_f64(2.0 * duration / open.impedance()),
             is_granular: T::from_f64(f64::from(u8::from(granular.is_some()))),
             excess_compliance: T::from_f64(
                 granular.map_or(0.0, |law| 1.0 / (3.0 * law.bulk_modulus)),
@@ -82,12 +85,44 @@ impl<T: Real> ContactConstants<T> {
 }
 
 impl<T: Real> ContactConstants<T> {
-    /// Creates the constants of all media of a problem, for sweeps of half a step along an axis.
+    /// Creates the constants of all media of a problem, for sweeps of half a step along an axis with cells of one
+    /// length.
     pub(crate) fn by_medium<const D: usize>(problem: &Problem<D>, axis: usize) -> Vec<Self> {
-        let duration = 0.5 * problem.step / problem.grid.spacing[axis];
+        Self::with_spacing(problem, axis, problem.grid.spacing[axis])
+    }
+
+    /// Creates the constants of all media for sweeps along the rows of a layer, if cell lengths depend on the layer: by
+    /// layer, in the order of `layers` (indices in the whole grid). Porosities have the factor of the fields.
+    pub(crate) fn by_layer<const D: usize>(
+        problem: &Problem<D>,
+        layers: impl Iterator<Item = usize>,
+    ) -> Vec<Vec<Self>> {
+        let Some(metric) = &problem.metric else { return Vec::new() };
+        let constants = |layer: usize| {
+            let mut all = Self::with_spacing(problem, 0, metric.spacing[layer]);
+            let factor = T::from_f64(problem.field_factor(layer));
+            all.iter_mut().for_each(|own| own.porosity = factor * own.porosity);
+            all
+        };
+        layers.map(constants).collect()
+    }
+
+    fn with_spacing<const D: usize>(problem: &Problem<D>, axis: usize, spacing: f64) -> Vec<Self> {
+        let duration = 0.5 * problem.step / spacing;
         let reconstruction = (problem.scheme.slopes, problem.has_interfaces());
         let constants = |medium| Self::new(medium, axis, duration, reconstruction);
         problem.media.iter().map(constants).collect()
+    }
+
+    /// Sets the constants of a lane of a group.
+    pub(crate) fn set_lane(lanes: &mut ContactConstants<T::Lanes>, lane: usize, own: &Self) {
+        lanes.open.set_lane(lane, &own.open);
+        lanes.impedance_ratio.lanes_mut()[lane] = own.impedance_ratio;
+        lanes.porosity.lanes_mut()[lane] = own.porosity;
+        lanes.strain_per_velocity.lanes_mut()[lane] = own.strain_per_velocity;
+        lanes.strain_per_stress.lanes_mut()[lane] = own.strain_per_stress;
+        lanes.is_granular.lanes_mut()[lane] = own.is_granular;
+        lanes.excess_compliance.lanes_mut()[lane] = own.excess_compliance;
     }
 }
 
@@ -102,6 +137,7 @@ impl<V: Number> ContactConstants<V> {
             impedance_ratio: V::load(&from.impedance_ratio),
             porosity: V::load(&from.porosity),
             strain_per_velocity: V::load(&from.strain_per_velocity),
+            strain_per_stress: V::load(&from.strain_per_stress),
             is_granular: V::load(&from.is_granular),
             excess_compliance: V::load(&from.excess_compliance),
         }
@@ -109,14 +145,16 @@ impl<V: Number> ContactConstants<V> {
 }
 
 /// Value of the history variables of ghosts beyond a physical boundary: the pores count as collapsed, and a face beside
-/// them is not open.
-pub(crate) const BOUNDARY_HISTORY: f64 = -2.0 * NO_LIMIT;
+/// them is not open. Greater than porosities without limit, also with the factor of the fields of a polar block.
+pub(crate) const BOUNDARY_HISTORY: f64 = -1e6 * NO_LIMIT;
 
 /// State of the contacts in the two cells beside a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceContacts<N> {
     /// Volumetric strains; `None` without porous media.
     pub(crate) volumetric_strain: Option<[N; 2]>,
+    /// Factors of the porosities, which are those of the fields in polar blocks; else 1.
+    pub(crate) porosity_factors: [N; 2],
     /// Sum of the normal components of the excess stress, Pa; `None` without granular media.
     pub(crate) excess: Option<[N; 2]>,
 }
@@ -141,7 +179,7 @@ impl<N: Number> FaceStencil<'_, N> {
         slopes: Slopes,
     ) -> OpenFace<N> {
         let has_open_pores = match beside.volumetric_strain {
-            Some(strains) => self.has_open_pores(strains),
+            Some(strains) => self.has_open_pores(strains, beside.porosity_factors),
             None => N::ZERO,
         };
         let mut cells = [*self.cells[0], *self.cells[1], *self.cells[2], *self.cells[3]];
@@ -166,7 +204,7 @@ impl<N: Number> FaceStencil<'_, N> {
         }
         let Some(excess) = beside.excess else { return (solution, None) };
         let is_open = self.is_open(excess, solution[0].sum);
-        (self.open_face(waves, solution, is_open), Some(is_open))
+        (self.open_face::<IS_UNIFORM>(waves, solution, is_open), Some(is_open))
     }
 
     /// Solves the Riemann problem of a transverse pair at a face that is open where `is_open` is 1; `None` without
@@ -185,7 +223,7 @@ impl<N: Number> FaceStencil<'_, N> {
             }
         };
         match is_open {
-            Some(is_open) => self.open_face(waves, solution, is_open),
+            Some(is_open) => self.open_face::<IS_UNIFORM>(waves, solution, is_open),
             None => solution,
         }
     }
@@ -201,18 +239,19 @@ impl<N: Number> FaceStencil<'_, N> {
         }
         let [lower, upper] = [self.contacts[1], self.contacts[2]];
         [
-            lower.strain_per_velocity * (velocity + stress / lower.open.impedance),
-            upper.strain_per_velocity * (velocity + stress / upper.open.impedance),
+            lower.strain_per_velocity * velocity + lower.strain_per_stress * stress,
+            upper.strain_per_velocity * velocity + upper.strain_per_stress * stress,
         ]
     }
 
     /// Returns 1 where the pores of both cells stay open during the sweep, else 0.
     #[inline(always)]
-    fn has_open_pores(&self, volumetric_strain: [N; 2]) -> N {
+    fn has_open_pores(&self, volumetric_strain: [N; 2], porosity_factors: [N; 2]) -> N {
         let greatest_strains = self.greatest_strains();
         let mut is_open = N::ONE;
         for side in 0..2 {
-            let pores = self.contacts[1 + side].porosity + volumetric_strain[side];
+            let porosity = porosity_factors[side] * self.contacts[1 + side].porosity;
+            let pores = porosity + volumetric_strain[side];
             is_open = pores.select_gt(greatest_strains[side], is_open, N::ZERO);
         }
         is_open
@@ -244,7 +283,7 @@ impl<N: Number> FaceStencil<'_, N> {
 
     /// Replaces the solution of the Riemann problem where the face is open.
     #[inline(always)]
-    fn open_face(
+    fn open_face<const IS_UNIFORM: bool>(
         &self,
         [left, right]: [N; 2],
         solution: [InterfaceState<N>; 2],
@@ -253,14 +292,20 @@ impl<N: Number> FaceStencil<'_, N> {
         let [lower, upper] = [self.cells[1].impedance, self.cells[2].impedance];
         let [granular_below, granular_above] =
             [self.contacts[1].is_granular, self.contacts[2].is_granular];
-        // Velocities of both sides, and the share of the opening that the lower cell takes as strain.
-        let velocities = [-left / lower, right / upper];
-        let share = granular_below / (granular_below + granular_above).max(N::HALF);
-        let velocity = velocities[0] + share * (velocities[1] - velocities[0]);
+        // Share of the opening that the lower cell takes as strain: 1, ½ or 0.
+        let share = granular_below * (N::ONE - N::HALF * granular_above);
+        // Velocities of both sides, −left/lower and right/upper, times the impedance of each cell.
+        let ratios = match IS_UNIFORM {
+            true => [N::ONE; 2],
+            false => [lower / upper, upper / lower],
+        };
+        let scaled = [[-left, ratios[0] * right], [-(ratios[1] * left), right]];
         let mut result = solution;
-        for (state, impedance) in result.iter_mut().zip([lower, upper]) {
-            let difference = impedance * (velocity + velocity);
-            state.difference = is_open.select_gt(N::ZERO, difference, state.difference);
+        for side in 0..2 {
+            let [below, above] = scaled[side];
+            let velocity = below + share * (above - below);
+            let state = &mut result[side];
+            state.difference = is_open.select_gt(N::ZERO, velocity + velocity, state.difference);
             state.sum = is_open.select_gt(N::ZERO, N::ZERO, state.sum);
         }
         result

@@ -7,8 +7,8 @@
 //! Φ(ε + Δε) ≤ Φ(ε) + σ:Δε + ½Δε:C:Δε, where the right-hand side is the energy that the sweep accounts for.
 
 use crate::simd::Number;
-use models::granular_medium::{GranularContact, GranularMedium};
-use models::porous::{PoreContact, PoreLaw, PorousMedium};
+use models::granular_medium::{GranularContact, GranularMedium, MaxwellParticles, MaxwellStep};
+use models::porous::{PoreConeLaw, PoreContact, PoreLaw, PorousMedium};
 use models::rheology::relaxation::SymmetricTensor;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::SolidField;
@@ -22,12 +22,24 @@ pub enum ContactLaw {
         law: GranularContact<f64>,
         /// Solid of the closed contacts.
         closed: Isotropic,
+        /// Relaxation times of viscous particles.
+        particles: Option<MaxwellParticles>,
     },
     /// Porous medium with spherical contact, in parallel with an elastic skeleton. A plastic skeleton has a yield set
     /// of the deviator, which the contact does not change.
     Porous {
         /// Law of a step.
         law: PoreLaw<f64>,
+        /// Solid of the open pores.
+        skeleton: Isotropic,
+        /// Solid of the collapsed pores.
+        closed: Isotropic,
+    },
+    /// Porous medium whose pore walls transmit stresses in a friction cone, in parallel with an elastic skeleton. Without
+    /// pores: a heteromodular solid.
+    PorousCone {
+        /// Law of a step.
+        law: PoreConeLaw<f64>,
         /// Solid of the open pores.
         skeleton: Isotropic,
         /// Solid of the collapsed pores.
@@ -46,27 +58,77 @@ impl From<&GranularMedium> for ContactLaw {
         Self::Granular {
             law: GranularContact::new(medium),
             closed: isotropic(own.bulk_modulus, own.shear_modulus, own.density),
+            particles: None,
         }
     }
 }
 
 impl ContactLaw {
-    /// Creates the law of a porous medium; `None` for a contact with friction.
+    /// Creates the law of a porous medium; `None` for a contact with friction and a plastic skeleton.
     pub fn from_porous(medium: &PorousMedium) -> Option<Self> {
         let own = medium.parameters();
-        let solid = |bulk_modulus| isotropic(bulk_modulus, own.shear_modulus, own.density);
-        (own.contact == PoreContact::Spherical).then(|| Self::Porous {
-            law: PoreLaw::new(medium),
-            skeleton: solid(own.bulk_modulus),
-            closed: solid(own.bulk_modulus + own.contact_bulk_modulus),
-        })
+        let skeleton = isotropic(own.bulk_modulus, own.shear_modulus, own.density);
+        let closed = |added_shear_modulus| {
+            isotropic(
+                own.bulk_modulus + own.contact_bulk_modulus,
+                own.shear_modulus + added_shear_modulus,
+                own.density,
+            )
+        };
+        match own.contact {
+            PoreContact::Spherical => {
+                Some(Self::Porous { law: PoreLaw::new(medium), skeleton, closed: closed(0.0) })
+            }
+            PoreContact::Frictional { shear_modulus, .. } => {
+                let closed = closed(shear_modulus);
+                PoreConeLaw::new(medium).map(|law| Self::PorousCone { law, skeleton, closed })
+            }
+        }
+    }
+
+    /// Creates the law of a granular medium with viscous particles.
+    pub fn from_viscous(medium: &GranularMedium, particles: MaxwellParticles) -> Self {
+        match Self::from(medium) {
+            Self::Granular { law, closed, .. } => {
+                Self::Granular { law, closed, particles: Some(particles) }
+            }
+            other => other,
+        }
+    }
+
+    /// Returns the law of the relaxation of viscous particles over a duration, s; `None` for media that do not relax.
+    pub(crate) fn relaxation(&self, duration: f64) -> Option<MaxwellStep<f64>> {
+        match self {
+            Self::Granular { law, particles: Some(particles), .. } => {
+                Some(particles.step(law, duration))
+            }
+            _ => None,
+        }
     }
 
     /// Returns the elastic solid of closed contacts, with which the sweeps are made.
     pub fn closed_solid(&self) -> Isotropic {
         match self {
-            Self::Granular { closed, .. } | Self::Porous { closed, .. } => *closed,
+            Self::Granular { closed, .. }
+            | Self::Porous { closed, .. }
+            | Self::PorousCone { closed, .. } => *closed,
         }
+    }
+}
+
+impl ContactLaw {
+    /// Returns the solid whose elastic energy the excess stress x of a contact by cone has; `None` for other contacts. With
+    /// S = σ + x = (C_a + C_b):ε, the energy of skeleton and spring is ½σ:(C_a + C_b)⁻¹:σ + ½x:D⁻¹:x, where D has the
+    /// moduli k_b(k_a + k_b)/k_a and μ_b(μ_a + μ_b)/μ_a.
+    pub(crate) fn excess_solid(&self) -> Option<Isotropic> {
+        let Self::PorousCone { skeleton, closed, .. } = self else { return None };
+        let bulk_modulus = |solid: &Isotropic| solid.lambda + 2.0 / 3.0 * solid.mu;
+        let modulus = |open: f64, closed: f64| (closed - open) * closed / open;
+        Some(isotropic(
+            modulus(bulk_modulus(skeleton), bulk_modulus(closed)),
+            modulus(skeleton.mu, closed.mu),
+            closed.density,
+        ))
     }
 }
 

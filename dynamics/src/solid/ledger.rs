@@ -221,7 +221,7 @@ pub(crate) struct CellDissipation {
     pub(crate) plastic_dissipation: Vec<f64>,
     /// Work of the initial stress on plastic strain, J/m³.
     pub(crate) initial_stress_work: Vec<f64>,
-    /// Dissipation of the dashpots of relaxing media, J/m³.
+    /// Dissipation of the dashpots of relaxing media, with that of the plastic flow during relaxation, J/m³.
     pub(crate) viscous_dissipation: Vec<f64>,
 }
 
@@ -236,7 +236,7 @@ impl CellDissipation {
     ) -> Result<Self, E> {
         let list = |is_needed: bool| if is_needed { zeros() } else { Ok(Vec::new()) };
         let is_plastic = problem.media.iter().any(Medium::is_plastic);
-        let relaxes = problem.media.iter().any(|medium| medium.relaxation.is_some());
+        let relaxes = problem.media.iter().any(Medium::relaxes);
         Ok(Self {
             plastic_dissipation: list(is_plastic)?,
             initial_stress_work: list(is_plastic && problem.initial_stress.is_some())?,

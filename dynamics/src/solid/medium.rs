@@ -1,8 +1,11 @@
 //! A solid in the form that the sweeps require: wave pairs, rotation, relaxation and yield set.
 
+use crate::solid::cell_laws::REFLECTION;
 use crate::solid::contact_law::ContactLaw;
+use models::common::elementary::Elementary;
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
+use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::solid::waves::{SolidField, SpinRotation, VelocityStressPair};
 use models::uniaxial::NO_LIMIT;
@@ -25,6 +28,10 @@ pub struct Medium {
     pub relaxation: Option<StandardLinearSolid>,
     /// Yield set of the stress, with associated flow rule; dilatancy angles are not used.
     pub yield_set: Option<YieldSet>,
+    /// Relaxation time τ of the overstress, s (Duvaut & Lions 1976): beyond the yield set σ̇ = C:ε̇ − (σ − Pσ)/τ with the
+    /// projection P onto it. For a von Mises set it is a hinge parallel to a dashpot η, with τ = η/(2μc²) for τ² = c² s:s.
+    /// `None`: plastic flow without viscosity.
+    pub overstress_time: Option<f64>,
     /// Contact of particles or of the walls of pores; the elastic law is then that of closed contacts.
     pub contact: Option<ContactLaw>,
 }
@@ -41,6 +48,7 @@ impl Medium {
             law,
             relaxation: None,
             yield_set: None,
+            overstress_time: None,
             contact: None,
         }
     }
@@ -70,7 +78,7 @@ impl Medium {
             fields.extend(by_component(SolidField::ViscousStrain));
         }
         match self.contact {
-            Some(ContactLaw::Granular { .. }) => {
+            Some(ContactLaw::Granular { .. } | ContactLaw::PorousCone { .. }) => {
                 fields.extend(by_component(SolidField::ExcessStress));
             }
             Some(ContactLaw::Porous { .. }) => {
@@ -101,10 +109,33 @@ impl Medium {
         self.yield_set.is_some() || has_plastic_particles
     }
 
+    /// Whether stresses relax: in a standard linear solid, or by viscous particles in contact.
+    pub fn relaxes(&self) -> bool {
+        let has_viscous_particles =
+            matches!(self.contact, Some(ContactLaw::Granular { particles: Some(_), .. }));
+        self.relaxation.is_some() || has_viscous_particles
+    }
+
     /// Returns the solid with a yield set, which must be admissible for the law.
     #[must_use]
     pub fn with_yield_set(self, set: impl Into<YieldSet>) -> Self {
         Self { yield_set: Some(set.into()), ..self }
+    }
+
+    /// Returns the solid with a relaxation time of the overstress, s; > 0.
+    #[must_use]
+    pub fn with_overstress_time(self, time: f64) -> Self {
+        Self { overstress_time: Some(time), ..self }
+    }
+
+    /// Returns the weight of the stress itself in the return mapping of a step, s, or of a reflection: the part of the
+    /// overstress that remains after it.
+    pub(crate) fn mapping_weight(&self, reflects: bool, step: f64) -> f64 {
+        match (reflects, self.overstress_time) {
+            (true, _) => REFLECTION,
+            (false, Some(time)) => (-step / time).cr_exp(),
+            (false, None) => 0.0,
+        }
     }
 
     /// Returns the largest wave speed, m/s.
@@ -180,13 +211,14 @@ pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64
 /// coefficient per term; coefficients of stresses follow from the stored energy of one and of two unit components.
 /// Products of two stresses are omitted if their coefficient is only rounding.
 fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f64)> {
-    let stress = |indices: &[usize]| {
+    let is_symmetric = medium.rotation.is_none();
+    let stress = |places: &[usize]| {
         let mut stress = Stress::default();
-        for &place in indices {
+        for &place in places {
             match fields[place] {
                 SolidField::Stress(i, j) => {
                     stress.force[i][j] = 1.0;
-                    if medium.rotation.is_none() {
+                    if is_symmetric {
                         stress.force[j][i] = 1.0;
                     }
                 }
@@ -195,6 +227,15 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
             }
         }
         medium.stored_energy(&stress)
+    };
+    let excess = |solid: &Isotropic, places: &[usize]| {
+        let mut stress = Stress::default();
+        for &place in places {
+            if let SolidField::ExcessStress(i, j) = fields[place] {
+                (stress.force[i][j], stress.force[j][i]) = (1.0, 1.0);
+            }
+        }
+        solid.stored_energy(&stress)
     };
     let mut terms = Vec::new();
     for (one, &field) in fields.iter().enumerate() {
@@ -214,23 +255,36 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
                 let normal = fields.iter().enumerate().filter(|own| is_normal(own.1));
                 terms.extend(normal.map(|(other, _)| (one, other, -ratio / 3.0)));
             }
-            _ => {}
-        }
-        if field.is_history() {
-            continue;
-        }
-        let inertia = medium.inertia(field);
-        let square_coefficient = if inertia > 0.0 { 0.5 * inertia } else { stress(&[one]) };
-        terms.push((one, one, square_coefficient));
-        for other in 0..one {
-            let product = stress(&[one, other]) - square_coefficient - stress(&[other]);
-            if inertia == 0.0 && product.abs() > 1e-14 * square_coefficient {
-                terms.push((one, other, product));
+            SolidField::ExcessStress(..) => {
+                if let Some(solid) = medium.contact.and_then(|own| own.excess_solid()) {
+                    add_quadratic_terms(&mut terms, one, |places| excess(&solid, places));
+                }
             }
+            _ if medium.inertia(field) > 0.0 => {
+                terms.push((one, one, 0.5 * medium.inertia(field)));
+            }
+            _ if !field.is_history() => add_quadratic_terms(&mut terms, one, stress),
+            _ => {}
         }
     }
     terms.retain(|term| term.2 != 0.0);
     terms
+}
+
+/// Adds the square of a field, and its products with the fields before it, of an energy that is known for unit fields.
+fn add_quadratic_terms(
+    terms: &mut Vec<(usize, usize, f64)>,
+    one: usize,
+    energy: impl Fn(&[usize]) -> f64,
+) {
+    let square = energy(&[one]);
+    terms.push((one, one, square));
+    for other in 0..one {
+        let product = energy(&[one, other]) - square - energy(&[other]);
+        if product.abs() > 1e-14 * square {
+            terms.push((one, other, product));
+        }
+    }
 }
 
 /// Computes the energy densities of media as quadratic forms in the fields of a domain: two field indices and one

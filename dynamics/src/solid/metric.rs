@@ -13,6 +13,13 @@
 //! In polar coordinates (angle along the first axis, radius along the second), h = r Δθ, κ = 1/r and U = √r (v, σ): the
 //! factor √r makes volumes uniform and Q̂ antisymmetric. Entries of Q̂: ½ for (v_r, σ_rr), −1 for (v_r, σ_θθ), 3/2 for
 //! (v_θ, σ_rθ) of a symmetric stress.
+//!
+//! Laws with thresholds (yield sets, contacts) hold for the physical fields U/f, f = √r. The laws are homogeneous: if
+//! fields and thresholds (strength, porosity) are multiplied by f, so are the results, and energies by f². Thresholds of
+//! the layer are therefore f times those of the medium, history variables are stored with the factor f, and the
+//! dissipation of a cell, per unit of the uniform volume, is the true one. The rotation by the curvature conserves the
+//! energy of closed contacts as sweeps do; its strain increment reaches the laws of contacts in the same way, through
+//! the change −Cq e of the stress, so that a law completes the rotation as it completes a sweep.
 
 use crate::simd::Number;
 use crate::solid::medium::Medium;
@@ -26,6 +33,8 @@ pub struct Metric {
     /// By layer, curvature of the lines along the first axis, 1/m, positive if the centre of curvature is at smaller
     /// coordinates of the second axis; empty if the lines are straight.
     pub curvature: Vec<f64>,
+    /// By layer, the ratio f > 0 of the fields to the physical ones, √m in polar blocks; empty if it is 1.
+    pub field_factors: Vec<f64>,
 }
 
 impl Metric {
@@ -35,7 +44,8 @@ impl Metric {
         let radii = (0..layers).map(|layer| inner + (layer as f64 + 0.5) * width);
         Self {
             spacing: radii.clone().map(|radius| radius * angle).collect(),
-            curvature: radii.map(f64::recip).collect(),
+            curvature: radii.clone().map(f64::recip).collect(),
+            field_factors: radii.map(f64::sqrt).collect(),
         }
     }
 
@@ -52,6 +62,8 @@ impl Metric {
             && self.spacing.iter().all(is_positive)
             && (self.curvature.is_empty() || self.curvature.len() == layers)
             && self.curvature.iter().all(|value| value.is_finite())
+            && (self.field_factors.is_empty() || self.field_factors.len() == layers)
+            && self.field_factors.iter().all(is_positive)
     }
 }
 

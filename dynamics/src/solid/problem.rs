@@ -221,6 +221,7 @@ impl<const D: usize> Problem<D> {
         }
         self.check_metric()?;
         self.check_contacts()?;
+        self.check_overstress()?;
         self.check_shear_interval()?;
         let steps = ShearSteps::new(self);
         for (axis, boundaries_of_axis) in self.boundaries.iter().enumerate() {
@@ -266,7 +267,6 @@ impl<const D: usize> Problem<D> {
     fn check_metric(&self) -> Result<(), DomainError> {
         let Some(metric) = &self.metric else { return Ok(()) };
         let is_curved = !metric.curvature.is_empty();
-        let yields = self.media.iter().any(|medium| medium.yield_set.is_some());
         let refuse = |reason| Err(DomainError::Metric(reason));
         if D != 2 {
             return refuse("it is for blocks in the plane");
@@ -277,8 +277,11 @@ impl<const D: usize> Problem<D> {
         if self.scheme.is_alternating() || !self.interlayers.is_empty() {
             return refuse("sweeps must not alternate, and there must be no interlayers");
         }
-        if is_curved && (yields || self.initial_stress.is_some()) {
-            return refuse("media of curved blocks must not yield, nor have an initial stress");
+        if (is_curved || !metric.field_factors.is_empty()) && self.initial_stress.is_some() {
+            return refuse("there must be no initial stress in a curved block");
+        }
+        if !metric.field_factors.is_empty() && self.boundaries[D - 1][0] == Boundary::Periodic {
+            return refuse("boundaries across the layers of a polar block cannot be periodic");
         }
         if is_curved && self.acceleration != [0.0; D] {
             return refuse("an acceleration has no one direction in a curved block");
@@ -304,15 +307,27 @@ impl<const D: usize> Problem<D> {
         if self.initial_stress.is_some() || !self.interlayers.is_empty() {
             return refuse("there must be no initial stress and no interlayers");
         }
-        if self.metric.is_some() {
-            return refuse("the block must be rectangular, with cells of one size");
-        }
         let is_velocity = |field: &SolidField| matches!(field, SolidField::Velocity(_));
         let mut amplitudes = self.sources.iter().flat_map(|source| &source.amplitudes);
         if !amplitudes.all(|(field, _)| is_velocity(field)) {
             return refuse("sources must be forces");
         }
         Ok(())
+    }
+
+    /// Checks that the relaxation times of overstresses are positive and that the return mapping is not a reflection.
+    fn check_overstress(&self) -> Result<(), DomainError> {
+        let mut times = self.media.iter().filter_map(|medium| medium.overstress_time).peekable();
+        let is_reflection = self.scheme.plastic_step == PlasticStep::MidpointReflection;
+        if times.peek().is_some() && is_reflection {
+            return Err(DomainError::Overstress(
+                "the return mapping must be at the end of the step",
+            ));
+        }
+        match times.all(|time| time > 0.0 && time.is_finite()) {
+            true => Ok(()),
+            false => Err(DomainError::Overstress("it must be positive and finite")),
+        }
     }
 
     /// Checks that shear waves may have steps of their own, if they have.
@@ -366,6 +381,23 @@ impl<const D: usize> Problem<D> {
 }
 
 impl<const D: usize> Problem<D> {
+    /// Returns the ratio of the fields in a layer to the physical fields (see [`Metric`]).
+    pub fn field_factor(&self, layer: usize) -> f64 {
+        let factors = self.metric.as_ref().map_or(&[][..], |metric| &metric.field_factors);
+        factors.get(layer).copied().unwrap_or(1.0)
+    }
+
+    /// Returns the ratio of the fields in a cell to the physical fields.
+    pub fn field_factor_of_cell(&self, cell: usize) -> f64 {
+        let layer: usize = self.grid.cells[..D - 1].iter().product();
+        self.field_factor(cell / layer)
+    }
+
+    /// Whether fields differ from the physical fields by a factor in any layer.
+    pub(crate) fn has_field_factors(&self) -> bool {
+        self.metric.as_ref().is_some_and(|metric| !metric.field_factors.is_empty())
+    }
+
     /// Whether the problem has several media or interlayers.
     pub(crate) fn has_interfaces(&self) -> bool {
         self.media.len() > 1 || !self.interlayers.is_empty()
@@ -518,6 +550,9 @@ pub enum DomainError {
     /// Media with contacts in a problem that excludes them, with the reason.
     #[error("media with contacts: {0}")]
     Contacts(&'static str),
+    /// An invalid relaxation time of the overstress, with the reason.
+    #[error("relaxation time of the overstress: {0}")]
+    Overstress(&'static str),
     /// An invalid metric, with the reason.
     #[error("metric: {0}")]
     Metric(&'static str),

@@ -46,7 +46,8 @@ impl<N: Number> InterlayerStencil<N> {
     /// Computes the stencil for the constants of a cell.
     pub(crate) fn new(cell: &CellConstants<N>, continuity: [N; 3]) -> Self {
         let [lower, middle, upper] = continuity;
-        let weights = [continuity, [upper, middle, lower]].map(|own| cell.interlayer_weights(own));
+        let weights =
+            [cell.interlayer_weights(continuity), cell.interlayer_weights([upper, middle, lower])];
         Self { continuity, weights }
     }
 

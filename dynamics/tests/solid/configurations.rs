@@ -25,6 +25,7 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::InstructionSet;
+use wellposed_dynamics::solid::metric::Metric;
 
 /// Adds interlayers with random constants across each axis where the problem remains valid.
 fn add_interlayers<const D: usize>(random: &mut NoiseSequence, problem: &mut Problem<D>) {
@@ -138,7 +139,29 @@ fn random_boundary<const D: usize>(
 
 fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     let media = random_media::<D>(random);
-    random_problem_with_media(random, media)
+    let mut problem = random_problem_with_media(random, media);
+    if D == 2 && random.is_one_in(8) {
+        make_polar(random, &mut problem);
+    }
+    problem
+}
+
+/// Turns a plane problem into that of a polar block; removes what such a block excludes.
+pub fn make_polar<const D: usize>(random: &mut NoiseSequence, problem: &mut Problem<D>) {
+    let Grid { cells, spacing } = problem.grid;
+    // The ratio √r of the fields to the physical ones is below or above 1.
+    let inner = random.choose(&[0.3, 2.0, 30.0]);
+    let metric = Metric::new_polar(inner, cells[D - 1], [spacing[0], spacing[D - 1]]);
+    problem.step *= (metric.spacing[0] / spacing[0]).min(1.0);
+    problem.metric = Some(metric);
+    problem.scheme.splitting = Splitting::TwoCyclic;
+    problem.initial_stress = None;
+    problem.interlayers.clear();
+    problem.shear_interval = 1;
+    problem.acceleration = [0.0; D];
+    if problem.boundaries[D - 1][0] == Boundary::Periodic {
+        problem.boundaries[D - 1] = [Boundary::Free, Boundary::NonReflecting];
+    }
 }
 
 /// Returns a random problem with given media.

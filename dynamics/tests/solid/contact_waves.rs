@@ -1,7 +1,7 @@
 //! Plane waves in granular and porous media against exact solutions (Sadovskii & Sadovskaya 2019): spall, compaction
 //! shocks, smooth waves in one state of the contacts.
 
-use crate::contacts::{granular, porous};
+use crate::contacts::{granular, porous, porous_cone};
 use models::porous::{PoreContact, PorousMedium, PorousParameters};
 use models::solid::waves::SolidField;
 use models::yield_set::parameters::Mises;
@@ -253,6 +253,33 @@ fn smooth_waves_in_open_and_collapsed_pores_are_second_order() {
             }
             assert!(fit_order(&counts, &errors) > 1.9, "{strain} {courant}: {errors:?}");
         }
+    }
+}
+
+/// Two halves of a column that move towards or away from each other with the velocity v: between the waves the pressure is
+/// √(ρE) v, with E = k_a + k_b + 4(μ_a + μ_b)/3 in compression, as μ_b < æk_b, and E = k_a + 4μ_a/3 in tension.
+#[test]
+fn a_heteromodular_solid_is_stiffer_in_compression() {
+    let count = 400;
+    for (sign, modulus) in [(1.0, 5.5 + 4.0 / 3.0 * 2.6), (-1.0, 1.5 + 4.0 / 3.0 * 0.9f64)] {
+        let medium = porous_cone(0.5, 0.0, 2);
+        let ends = [Boundary::Free, Boundary::Free];
+        let problem = column(medium, count, 0.9, ends);
+        let mut column = solver(&problem);
+        set(&mut column, SolidField::Velocity(0), |cell| {
+            sign * if cell < count / 2 { 0.01 } else { -0.01 }
+        });
+        let speed = (modulus / 1.2).sqrt();
+        column.advance((0.3 / speed / problem.step).round() as usize);
+        let stress = values(&column, SolidField::Stress(0, 0));
+        let expected = -sign * 0.01 * 1.2 * speed;
+        let middle = &stress[count / 2 - 20..count / 2 + 20];
+        let error = middle.iter().map(|own| (own / expected - 1.0).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-3, "{sign}: {error:e}");
+        // Half of the pressure at the position of the waves.
+        let end = 0.5 - 0.3;
+        let front = stress.iter().position(|own| own / expected > 0.5).unwrap_or(0);
+        assert!((front as f64 / count as f64 - end).abs() < 0.01, "{sign}: {front}");
     }
 }
 

@@ -24,6 +24,7 @@ mod plastic_fronts;
 mod rayleigh;
 mod relaxation;
 mod return_mapping;
+mod rockhole;
 mod saturated_cuts;
 mod shear_steps;
 mod simple_waves;

@@ -3,6 +3,7 @@
 use crate::support::media::isotropic;
 use crate::support::noise;
 use models::solid::parameters::Theory;
+use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
@@ -33,6 +34,10 @@ fn build_polar_grid(cells: [usize; 2]) -> (Grid<2>, Metric) {
     (Grid { cells, spacing }, Metric::new_polar(INNER_RADIUS, cells[1], spacing))
 }
 
+fn build_straight_metric(spacing: Vec<f64>) -> Metric {
+    Metric { spacing, curvature: Vec::new(), field_factors: Vec::new() }
+}
+
 /// Returns the time step, s, for which sweeps of half a step have the Courant number 0.9 in the smallest cell.
 fn stable_time_step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
     let min_length = metric.spacing.iter().copied().fold(grid.spacing[1], f64::min);
@@ -52,11 +57,10 @@ fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes:
     let cells = [23, 17];
     let (grid, polar) = build_polar_grid(cells);
     let spacing = (0..cells[1]).map(|layer| 0.1 * (1.5 + noise(layer as u64))).collect();
-    let metric = if is_polar { polar } else { Metric { spacing, curvature: Vec::new() } };
+    let metric = if is_polar { polar } else { build_straight_metric(spacing) };
     let set = YieldSet::from(Mises::new_von_mises(0.3));
     let soft = Medium::new(isotropic(theory, 1.0), 2);
-    let soft = if is_polar { soft } else { soft.with_yield_set(set) };
-    let media = vec![soft, Medium::new(isotropic(theory, 2.3), 2)];
+    let media = vec![soft.with_yield_set(set), Medium::new(isotropic(theory, 2.3), 2)];
     let cell_media = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
     let boundaries =
         [[Boundary::NonReflecting, Boundary::Free], [Boundary::Free, Boundary::NonReflecting]];
@@ -113,7 +117,7 @@ fn uniform_metric_changes_no_bit() {
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let step = 0.19 / medium.max_speed();
     let plain = Problem::new(grid, vec![medium], vec![0; 180], boundaries, step, scheme);
-    let metric = Some(Metric { spacing: vec![0.1; 12], curvature: Vec::new() });
+    let metric = Some(build_straight_metric(vec![0.1; 12]));
     let with_metric = Problem { metric, ..plain.clone() };
     let [plain, with_metric] = [plain, with_metric].map(|problem| {
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
@@ -397,7 +401,7 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
         let layer_centre = |layer: usize| (layer as f64 + 0.5) * width;
         let spacing: Vec<f64> =
             (0..cells).map(|layer| length(layer_centre(layer)) * width).collect();
-        let metric = Metric { spacing, curvature: Vec::new() };
+        let metric = build_straight_metric(spacing);
         let grid = Grid { cells: [cells; 2], spacing: [width; 2] };
         let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
         let steps = (time / stable_time_step(&grid, &metric, &medium)).ceil();
@@ -456,10 +460,15 @@ fn invalid_metrics_are_refused() {
     assert!(refused(&none, &|_| ()));
     assert!(refused(&metric, &|problem| problem.scheme.splitting = Splitting::Alternating));
     assert!(refused(&metric, &|problem| problem.acceleration = [0.0, 1.0]));
-    let set = YieldSet::from(Mises::new_von_mises(0.3));
     assert!(refused(&metric, &|problem| {
-        problem.media = vec![medium.clone().with_yield_set(set.clone())];
+        problem.initial_stress = Some((1, vec![Stress::default(); 10]));
     }));
+    assert!(refused(&metric, &|problem| {
+        problem.boundaries[1] = [Boundary::Periodic, Boundary::Periodic];
+    }));
+    let mut negative = metric.clone();
+    negative.field_factors[4] = -1.0;
+    assert!(refused(&negative, &|_| ()));
     // Layers must remain normal to the second axis.
     let polar = Problem { metric: Some(metric.clone()), ..plain.clone() };
     let decomposed = DecomposedDomain::<f64, 2>::with_first_axis(1, &polar, 1).err();

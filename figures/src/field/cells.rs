@@ -22,15 +22,21 @@ impl FieldFigure {
             .into_iter()
             .map(|value| scale.colour_step(value))
             .collect();
+        let outside = match &self.body {
+            Some(body) => raster.all_of(&body.is_outside),
+            None => vec![false; steps.len()],
+        };
+        let cells: Vec<(i16, bool)> = steps.iter().copied().zip(outside).collect();
         let mut areas: BTreeMap<i16, Vec<Rectangle>> = BTreeMap::new();
-        for (row, steps) in steps.chunks_exact(columns).enumerate() {
+        for (row, cells) in cells.chunks_exact(columns).enumerate() {
             let mut start = 0;
-            for run in steps.chunk_by(|a, b| a == b) {
+            for run in cells.chunk_by(|a, b| a == b) {
                 let end = start + run.len();
-                areas
-                    .entry(run[0])
-                    .or_default()
-                    .push(raster.cells_area((start, end), (row, row + 1)));
+                let (step, is_outside) = run[0];
+                if !is_outside {
+                    let area = raster.cells_area((start, end), (row, row + 1));
+                    areas.entry(step).or_default().push(area);
+                }
                 start = end;
             }
         }

@@ -82,8 +82,10 @@ impl FieldFigure {
                 if point_count > MAX_CONTOUR_POINTS {
                     return if scale.is_signed { Contours::Hatching } else { Contours::TooMany };
                 }
-                if polyline_length(&points) > 12.0 {
-                    lines.push((share, points));
+                for part in self.clip_to_body(layout, points) {
+                    if polyline_length(&part) > 12.0 {
+                        lines.push((share, part));
+                    }
                 }
             }
         }

@@ -123,6 +123,7 @@ impl FieldFigure {
         if overlay.has_borders {
             draw_borders(&mut picture, self.material_borders(&raster).unwrap_or_default());
         }
+        self.draw_body_outline(&mut picture, &layout);
         self.draw_line_sets(&mut picture, layout.frame, scale, overlay.line_widths);
         if let Some(arrows) = overlay.arrow_scale {
             self.draw_arrows(&mut picture, &layout, arrows);

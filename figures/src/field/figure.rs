@@ -1,6 +1,7 @@
 //! Input of a field figure, and its validation.
 
 use super::arrows::FieldArrows;
+use super::body::FieldBody;
 use super::lines::{FieldLineSet, FieldLineStyle};
 use crate::error::FigureError;
 
@@ -74,6 +75,8 @@ pub struct FieldFigure {
     /// ±½ of the limit of the colour scale of a signed quantity; an unsigned quantity then has no lines. Levels that
     /// are non-finite or not attained have no line.
     pub contour_levels: Option<Vec<f64>>,
+    /// Part of the domain that the body fills; `None` for all of it.
+    pub body: Option<FieldBody>,
     /// Material index of each cell, in the order of `values`; lines are drawn between different materials. Empty for a
     /// single material.
     pub material_indices: Vec<u16>,
@@ -110,7 +113,9 @@ impl FieldFigure {
         }
         let (columns, rows) = (self.columns, self.rows);
         let magnitudes = self.arrows.as_ref().map_or(0, |own| own.magnitudes.len());
+        let outside = self.body.as_ref().map_or(0, |own| own.is_outside.len());
         let lists = [
+            ("body", outside, self.body.is_none()),
             ("values", self.values.len(), false),
             ("outlines", self.material_indices.len(), self.material_indices.is_empty()),
             ("plastic", self.has_yielded.len(), self.has_yielded.is_empty()),

@@ -2,6 +2,7 @@
 
 mod arrows;
 mod axes;
+mod body;
 mod borders;
 mod cells;
 mod colour_bar;
@@ -22,6 +23,7 @@ mod ticks;
 mod yielded_cells;
 
 pub use arrows::{FieldArrow, FieldArrows};
+pub use body::FieldBody;
 pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 pub use lines::{FieldLine, FieldLineSet, FieldLineStyle};
 pub use pair::FieldPairFigure;

@@ -92,6 +92,11 @@ impl FieldRaster {
         })
     }
 
+    /// Returns for each raster cell whether a property holds in all its cells.
+    pub(super) fn all_of(&self, holds: &[bool]) -> Vec<bool> {
+        self.map_blocks(|mut cells| Iterator::all(&mut cells, |cell| holds[cell]))
+    }
+
     /// Returns the mean value in each raster cell; NaN if a value is non-finite.
     pub(super) fn mean_values(&self, values: &[f64]) -> Vec<f64> {
         self.map_blocks(|cells| {

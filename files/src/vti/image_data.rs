@@ -53,17 +53,31 @@ impl ImageData {
         deformation_gradient: [[f64; 2]; 2],
         storage: Storage,
     ) -> Result<Self, VtiError> {
-        let mut data = Self::new(grid, storage)?;
-        let axes = data.grid.cells.len();
+        let axes = grid.cells.len();
         if axes != 2 || !deformation_gradient.as_flattened().iter().all(|entry| entry.is_finite()) {
             return Err(VtiError::Deformation { axes, found: deformation_gradient });
         }
+        let map = |[x, y]: [f64; 2]| deformation_gradient.map(|row| row[0] * x + row[1] * y);
+        Self::with_nodes(grid, map, storage)
+    }
+
+    /// Creates a structured grid: the nodes of a plane grid are mapped to positions by the function `map`, which must be
+    /// finite.
+    ///
+    /// # Panics
+    /// The grid does not have two axes.
+    pub fn with_nodes(
+        grid: ImageGrid,
+        map: impl Fn([f64; 2]) -> [f64; 2],
+        storage: Storage,
+    ) -> Result<Self, VtiError> {
+        let mut data = Self::new(grid, storage)?;
         let along = |axis: usize, index: usize| {
             data.grid.origin[axis] + index as f64 * data.grid.spacing[axis]
         };
         let [columns, rows] = [0, 1].map(|axis| data.grid.cells[axis] + 1);
         let node = |x: f64, y: f64| {
-            let [a, b] = deformation_gradient.map(|row| row[0] * x + row[1] * y);
+            let [a, b] = map([x, y]);
             [a, b, 0.0]
         };
         let nodes: Vec<f64> = (0..rows)

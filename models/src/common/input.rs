@@ -1,5 +1,7 @@
 //! Errors of rejected model inputs.
 
+use super::decimal::format_exact;
+
 /// A model input that was rejected: its name, the rejected value and the allowed values.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{input}: found {rejected_value}; {allowed_values}")]
@@ -25,10 +27,15 @@ pub(crate) fn ensure(
     } else {
         Err(InputError {
             input: key,
-            rejected_value: value.to_string(),
+            rejected_value: shorten_number(value.to_string()),
             allowed_values: allowed.to_string(),
         })
     }
+}
+
+/// Returns a number in its shortest form, which for 1e300 is not 301 digits; other texts are returned unchanged.
+fn shorten_number(text: String) -> String {
+    text.parse().map_or(text, format_exact)
 }
 
 /// Converts an angle from rad to degrees, rounded to 1e-10° to hide the rounding error of the conversion; not rounded

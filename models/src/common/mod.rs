@@ -1,6 +1,7 @@
 //! Tools shared by all models: number types, rounding bounds, linearised systems, symmetric rate equations, parameter
 //! metadata and ranges, and elementary functions and matrix products with platform-independent bits.
 
+pub mod decimal;
 mod dyn_eq;
 pub mod elementary;
 pub mod fourier;

@@ -1,5 +1,6 @@
 //! The yield set of a solid, and the state of stress at which it yields.
 
+use crate::common::decimal::format_exact;
 use crate::common::input::InputError;
 use crate::common::range::AllowedRange;
 use crate::solid::stress::Stress;
@@ -48,7 +49,7 @@ impl PlasticState {
         if !Self::RATE_RANGE.contains(rate) {
             return Err(InputError {
                 input: "plastic_rate",
-                rejected_value: format!("{rate:?}"),
+                rejected_value: format_exact(rate),
                 allowed_values: "the plastic rate must be Λ ≥ 0, in 1/s".into(),
             });
         }
@@ -67,7 +68,7 @@ impl PlasticState {
             all.get(index).copied().ok_or_else(|| InputError {
                 input: "active",
                 rejected_value: format!("condition {index}"),
-                allowed_values: format!("one of {} conditions, counted from 0", all.len()),
+                allowed_values: format!("expected one of {} conditions, counted from 0", all.len()),
             })
         };
         let active = active.iter().map(condition).collect::<Result<_, _>>()?;
@@ -95,14 +96,13 @@ pub fn scale_onto_yield(
             input: "yield",
             rejected_value: "no strength under this pressure".into(),
             allowed_values:
-                "strength or friction that a stress can grow to; yield.active may name the \
-                      conditions instead"
+                "expected a strength or a friction above 0; or name the active conditions in yield.active"
                     .into(),
         },
         RayStartError::Outside => InputError {
             input: "pressure",
-            rejected_value: format!("{pressure:?}"),
-            allowed_values: "a pressure within the yield set: greater than −strength/friction"
+            rejected_value: format_exact(pressure),
+            allowed_values: "expected a pressure within the yield set: greater than −strength/friction"
                 .into(),
         },
     })?;
@@ -124,8 +124,8 @@ fn no_yield_error(found: &str) -> InputError {
         input: "stress",
         rejected_value: found.into(),
         allowed_values:
-            "a deviatoric, rotational or couple stress that reaches the yield set; where the set \
-                  names its conditions, yield.active may say which hold instead"
+            "expected a deviatoric, rotational or couple stress that reaches the yield set; or, where \
+                  the set has named conditions, yield.active"
                 .into(),
     }
 }

@@ -114,6 +114,11 @@ impl Graph {
         self.nodes[id as usize]
     }
 
+    /// Number of nodes.
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
     /// Whether the node depends on the jet.
     pub(super) fn depends_on_jet(&self, id: NodeId) -> bool {
         self.depends_on_jet[id as usize]

@@ -10,11 +10,13 @@
 //! | `syntax` | grammar and parser |
 //! | `check`, `units` | names, cycles, dimensional analysis |
 //! | `graph` | expressions with shared sub-expressions, total derivatives, derivatives by jet variables |
+//! | `elimination` | algebraic unknowns that an equation gives |
 //! | `program` | compiled expressions, without tree walk |
 //! | [`scalar`] | doubles, numbers with rounding bounds, dual numbers |
 //! | `model`, `state`, `solve` | compiled models, their evaluation at a state, background derivatives |
 
 mod check;
+mod elimination;
 mod error;
 mod graph;
 mod model;
@@ -29,6 +31,8 @@ mod units;
 
 pub use error::{EvaluationError, TextError, TextPlace};
 pub use graph::{JetVariable, MAX_ORDER, MultiIndex};
-pub use model::{MAX_UNKNOWNS, ModelText, NamedText, Quantity, SymbolEntry, TextModel};
+pub use model::{
+    MAX_DIFFERENTIAL_UNKNOWNS, MAX_UNKNOWNS, ModelText, NamedText, Quantity, SymbolEntry, TextModel,
+};
 pub use state::{RESIDUAL_TOLERANCE, Residual, TextState, TextWorkspace};
 pub use syntax::Function;

@@ -3,8 +3,9 @@
 use super::check::{
     Names, added_terms, check_units, parse_definitions, parse_equations, sort_definitions,
 };
+use super::elimination::eliminate;
 use super::error::{TextError, TextPlace, line_and_column};
-use super::graph::{Graph, JetVariable, Node, NodeId};
+use super::graph::{Graph, JetVariable, MultiIndex, Node, NodeId};
 use super::names::{intern_names, intern_unknowns};
 use super::printer::{Printer, jet_name, name_nodes};
 use super::program::Program;
@@ -13,10 +14,13 @@ use crate::common::system::Unknown;
 use std::collections::HashMap;
 
 /// Largest number of unknowns of a model.
-pub const MAX_UNKNOWNS: usize = 16;
+pub const MAX_UNKNOWNS: usize = 64;
+
+/// Largest number of unknowns that remain after the elimination of those that an equation gives as in `s = …`.
+pub const MAX_DIFFERENTIAL_UNKNOWNS: usize = 16;
 
 /// Largest number of nodes of the graph of all expressions.
-const MAX_NODES: usize = 200_000;
+pub(super) const MAX_NODES: usize = 200_000;
 
 /// A named quantity of a model text.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +77,18 @@ pub(super) struct Origin {
     pub(super) text: String,
 }
 
+/// Coefficients of linearised equations and the program that computes them.
+#[derive(Clone, Debug)]
+pub(super) struct Symbol {
+    pub(super) unknowns: &'static [Unknown],
+    pub(super) equations: &'static [&'static str],
+    /// Row and column of each coefficient, and the orders of its derivative.
+    pub(super) places: Vec<(usize, usize, MultiIndex)>,
+    /// Index of each equation in the model.
+    pub(super) rows: Vec<usize>,
+    pub(super) program: Program,
+}
+
 /// A model read from text, ready to be evaluated.
 #[derive(Clone, Debug)]
 pub struct TextModel {
@@ -85,8 +101,10 @@ pub struct TextModel {
     pub(super) is_driven: Vec<bool>,
     /// Coefficients of the linearised equations.
     pub(super) entries: Vec<SymbolEntry>,
-    /// Computes the coefficients of `entries`.
-    pub(super) symbol: Program,
+    /// All linearised equations.
+    pub(super) symbol: Symbol,
+    /// The linearised equations without the unknowns that an equation gives.
+    pub(super) reduced_symbol: Symbol,
     /// Computes the residual of each equation, then the terms of each equation.
     pub(super) residual: Program,
     /// Number of terms of each equation.
@@ -155,6 +173,17 @@ impl TextModel {
                 return Err(TextError::new(place, "in no equation", remedy));
             }
         }
+        let counts = [text.equations.len(), text.unknowns.len()];
+        let reduced = eliminate(&mut lowering.graph, &derivatives, counts);
+        if let Some(first) = reduced.columns.get(MAX_DIFFERENTIAL_UNKNOWNS) {
+            let place = TextPlace::Unknown(text.unknowns[*first].name.clone());
+            let found = format!("{} unknowns that no equation gives", reduced.columns.len());
+            let remedy = format!(
+                "at most {MAX_DIFFERENTIAL_UNKNOWNS}, besides unknowns of equations such as s = ... without \
+                 derivatives of s"
+            );
+            return Err(TextError::new(place, found, remedy));
+        }
         let graph = &lowering.graph;
         let printer = Printer { graph, text, named: name_nodes(&lowering.nodes, graph) };
         let entries = derivatives
@@ -165,11 +194,11 @@ impl TextModel {
                 expression: printer.print(node, row, variable),
             })
             .collect();
-        let symbol_roots: Vec<NodeId> = derivatives.iter().map(|(.., node)| *node).collect();
         let residual_roots: Vec<NodeId> =
             roots.iter().copied().chain(terms.iter().flatten().copied()).collect();
         let used = graph.reachable(&residual_roots);
-        let all_roots: Vec<NodeId> = residual_roots.iter().chain(&symbol_roots).copied().collect();
+        let symbol_roots = derivatives.iter().chain(&reduced.entries).map(|(.., node)| *node);
+        let all_roots: Vec<NodeId> = residual_roots.iter().copied().chain(symbol_roots).collect();
         let origin_of =
             |id: NodeId| Some((id, lowering.origins.get(&graph.find_source(id))?.clone()));
         let origins = graph.reachable(&all_roots).into_iter().filter_map(origin_of).collect();
@@ -182,10 +211,13 @@ impl TextModel {
             .filter(|(index, _)| !is_used(*index))
             .map(|(_, parameter)| parameter.name.clone())
             .collect();
-        let list = |names: &mut dyn Iterator<Item = &String>| names.cloned().collect::<Vec<_>>();
+        let all = counts.map(|count| (0..count).collect::<Vec<_>>());
+        let symbol = Symbol::new(text, graph, &all, &derivatives);
+        let remaining = [reduced.rows, reduced.columns];
+        let reduced_symbol = Symbol::new(text, graph, &remaining, &reduced.entries);
         Ok(Self {
-            unknowns: intern_unknowns(&list(&mut text.unknowns.iter().map(|own| &own.name))),
-            equations: intern_names(&list(&mut text.equations.iter().map(|own| &own.name))),
+            unknowns: symbol.unknowns,
+            equations: symbol.equations,
             velocity: names.velocity,
             is_driven: text
                 .equations
@@ -193,7 +225,8 @@ impl TextModel {
                 .map(|equation| text.driven.contains(&equation.name))
                 .collect(),
             entries,
-            symbol: Program::new(graph, &symbol_roots),
+            symbol,
+            reduced_symbol,
             residual: Program::new(graph, &residual_roots),
             term_counts: terms.iter().map(Vec::len).collect(),
             origins,
@@ -234,7 +267,12 @@ impl TextModel {
 
     /// Number of operations that compute all coefficients of the linearised equations.
     pub fn operation_count(&self) -> usize {
-        self.symbol.len()
+        self.symbol.program.len()
+    }
+
+    /// Number of unknowns that are eliminated before the analysis, since an equation gives them.
+    pub fn eliminated_count(&self) -> usize {
+        self.unknowns.len() - self.reduced_symbol.unknowns.len()
     }
 
     /// Index of the unknown `name`.
@@ -250,6 +288,34 @@ impl TextModel {
     /// Name of a jet variable in expressions, e.g. `d1(d2(v1))`.
     pub fn jet_name(&self, variable: JetVariable) -> String {
         jet_name(&self.text, variable)
+    }
+}
+
+impl Symbol {
+    /// The coefficients `entries` of the equations and unknowns `rows` and `columns` of a model.
+    fn new(
+        text: &ModelText,
+        graph: &Graph,
+        [rows, columns]: &[Vec<usize>; 2],
+        entries: &[(usize, JetVariable, NodeId)],
+    ) -> Self {
+        let place = |&(row, variable, _): &(usize, JetVariable, NodeId)| {
+            let index = |list: &[usize], own: usize| list.iter().position(|other| *other == own);
+            let (row, column) = (index(rows, row)?, index(columns, variable.unknown)?);
+            Some((row, column, variable.orders))
+        };
+        let unknowns: Vec<String> =
+            columns.iter().map(|own| text.unknowns[*own].name.clone()).collect();
+        let equations: Vec<String> =
+            rows.iter().map(|own| text.equations[*own].name.clone()).collect();
+        let roots: Vec<NodeId> = entries.iter().map(|(.., node)| *node).collect();
+        Self {
+            unknowns: intern_unknowns(&unknowns),
+            equations: intern_names(&equations),
+            places: entries.iter().filter_map(place).collect(),
+            rows: rows.clone(),
+            program: Program::new(graph, &roots),
+        }
     }
 }
 

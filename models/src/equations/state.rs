@@ -2,7 +2,7 @@
 
 use super::error::{EvaluationError, TextPlace};
 use super::graph::{JetVariable, MultiIndex};
-use super::model::TextModel;
+use super::model::{Symbol, TextModel};
 use super::program::{Fault, Input, Program};
 use super::scalar::Scalar;
 use crate::common::rounding::Rounded;
@@ -113,29 +113,53 @@ impl TextModel {
         workspace: &mut TextWorkspace,
         system: &mut LinearisedSystem<D>,
     ) -> Result<(), EvaluationError> {
+        self.write_symbol(&self.symbol, state, workspace, system)
+    }
+
+    /// Writes the equations linearised about the background into `system` as [`linearise`](Self::linearise), without the
+    /// unknowns that an equation gives, such as a stress `s = …`, and without these equations. The determinant of the
+    /// symbol is the same but for a constant factor.
+    ///
+    /// # Errors
+    /// An expression is not differentiable or not finite at the background.
+    pub fn linearise_reduced<const D: usize>(
+        &self,
+        state: &TextState,
+        workspace: &mut TextWorkspace,
+        system: &mut LinearisedSystem<D>,
+    ) -> Result<(), EvaluationError> {
+        self.write_symbol(&self.reduced_symbol, state, workspace, system)
+    }
+
+    fn write_symbol<const D: usize>(
+        &self,
+        symbol: &Symbol,
+        state: &TextState,
+        workspace: &mut TextWorkspace,
+        system: &mut LinearisedSystem<D>,
+    ) -> Result<(), EvaluationError> {
         let velocity = self.frame_velocity(state);
         let mut frame = [0.0; D];
         for (own, component) in frame.iter_mut().zip(&velocity) {
             *own = component.value;
         }
-        system.reset(self.unknowns, self.equations, frame);
+        system.reset(symbol.unknowns, symbol.equations, frame);
         let registers = &mut workspace.registers;
-        if let Err(fault) = self.evaluate_rounded(&self.symbol, state, &velocity, registers) {
+        if let Err(fault) = self.evaluate_rounded(&symbol.program, state, &velocity, registers) {
             // The equations themselves name the sub-expression, if it is not its derivative alone that is undefined.
             self.residuals(state, workspace)?;
             return Err(self.explain(fault));
         }
-        for (index, entry) in self.entries.iter().enumerate() {
-            let value = self.symbol.output(registers, index);
+        for (index, &(row, column, [time, space @ ..])) in symbol.places.iter().enumerate() {
+            let value = symbol.program.output(registers, index);
             if value.is_structural_zero() {
                 continue;
             }
             if !Scalar::is_finite(value) {
-                let place = self.equation_place(entry.row);
+                let place = self.equation_place(symbol.rows[row]);
                 return Err(EvaluationError::NotFinite { place });
             }
-            let at = (entry.row, entry.variable.unknown);
-            let [time, space @ ..] = entry.variable.orders;
+            let at = (row, column);
             let space_order: u8 = space.iter().sum();
             match (time, space_order) {
                 (0, 0) => system.c[at] = value,

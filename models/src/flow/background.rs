@@ -4,6 +4,7 @@ use super::state::{
     Background, DeformingFlow, FlowRule, MaterialRotation, MaterialState, MohrCoulomb,
     PlanarStress, YieldRegion,
 };
+use crate::common::decimal::ShortNumber;
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure, to_rounded_degrees};
 use crate::common::rounding::Rounded;
@@ -159,8 +160,8 @@ fn check_ranges(
         "pressure",
         state.pressure,
         format_args!(
-            "the pressure must exceed −c cot φ = {} Pa, where the material has no strength left",
-            -coulomb.cohesion / coulomb.friction_angle.cr_tan()
+            "expected a pressure above −c cot φ = {} Pa, where the material has no strength left",
+            ShortNumber(-coulomb.cohesion / coulomb.friction_angle.cr_tan())
         ),
     )?;
     ensure(
@@ -202,7 +203,8 @@ fn compute_noncoaxiality(rule: &FlowRule, state: &MaterialState) -> Result<Round
             spin,
             format_args!(
                 "spin and non-coaxiality contradict each other: the flow rule leaves the residual \
-                 {residual:e} in sin 2Δ; give one of them"
+                 {} in sin 2Δ; give one of them",
+                ShortNumber(residual)
             ),
         )
         .map(|()| given);
@@ -212,8 +214,8 @@ fn compute_noncoaxiality(rule: &FlowRule, state: &MaterialState) -> Result<Round
         "spin",
         spin,
         format_args!(
-            "the flow rule allows spins within {:e} rad/s of the half vorticity",
-            1.0 / factor.value
+            "expected a spin within {} rad/s of half_vorticity: the flow rule allows no other",
+            ShortNumber(1.0 / factor.value)
         ),
     )?;
     Ok(0.5 * sine.asin())
@@ -347,8 +349,9 @@ fn check_redundant_inputs(
             key,
             given,
             format_args!(
-                "{equation} gives {derived}: residual {:e}; leave the key out",
-                given - derived
+                "expected {}, the value of {equation} (residual {}); or leave the key out",
+                ShortNumber(derived),
+                ShortNumber(given - derived)
             ),
         )
     };

@@ -35,6 +35,9 @@ pub struct GranularContact<N> {
     pub yield_stress: N,
     /// Pressure τ_s/æ of the corner of cone and cylinder, Pa.
     pub corner_pressure: N,
+    /// 1/M, 1/(M + æ²k) and 1/(æk), 1/Pa, for the projections onto cylinder, cone and corner; the last is 0 without friction,
+    /// where there is no corner.
+    pub compliances: [N; 3],
 }
 
 /// State of a granular medium after a step.
@@ -55,14 +58,38 @@ impl GranularContact<f64> {
     /// Creates the constants of a medium.
     pub fn new(medium: &GranularMedium) -> Self {
         let own = medium.parameters();
-        let yield_stress = own.yield_stress.unwrap_or(NO_LIMIT).min(NO_LIMIT);
+        Self::from_moduli(
+            own.bulk_modulus,
+            2.0 * own.shear_modulus * own.intensity_coefficient,
+            own.intensity_coefficient.sqrt(),
+            own.friction,
+            own.yield_stress,
+        )
+    }
+
+    /// Creates the constants from the moduli k and M, Pa, the coefficient c of the intensity, the friction æ ≥ 0, and the
+    /// yield stress τ_s, Pa; `None` for elastic particles.
+    pub fn from_moduli(
+        bulk_modulus: f64,
+        energy_modulus: f64,
+        intensity_factor: f64,
+        friction: f64,
+        yield_stress: Option<f64>,
+    ) -> Self {
+        let yield_stress = yield_stress.unwrap_or(NO_LIMIT).min(NO_LIMIT);
+        let friction_modulus = friction * bulk_modulus;
         Self {
-            bulk_modulus: own.bulk_modulus,
-            energy_modulus: 2.0 * own.shear_modulus * own.intensity_coefficient,
-            intensity_factor: own.intensity_coefficient.sqrt(),
-            friction: own.friction,
+            bulk_modulus,
+            energy_modulus,
+            intensity_factor,
+            friction,
             yield_stress,
-            corner_pressure: (yield_stress / own.friction).min(NO_LIMIT),
+            corner_pressure: (yield_stress / friction).min(NO_LIMIT),
+            compliances: [
+                1.0 / energy_modulus,
+                1.0 / (energy_modulus + friction * friction_modulus),
+                if friction > 0.0 { 1.0 / friction_modulus } else { 0.0 },
+            ],
         }
     }
 
@@ -83,6 +110,10 @@ impl<N: Number> GranularContact<N> {
             friction: f(self.friction),
             yield_stress: f(self.yield_stress),
             corner_pressure: f(self.corner_pressure),
+            compliances: {
+                let [cylinder, cone, corner] = self.compliances;
+                [f(cylinder), f(cone), f(corner)]
+            },
         }
     }
 
@@ -100,12 +131,13 @@ impl<N: Number> GranularContact<N> {
 
         // The cases of the table from the last to the first.
         let friction_k = friction * k;
-        let opening = (self.corner_pressure - pressure) / friction_k.max(N::MIN_POSITIVE);
+        let [cylinder_compliance, cone_compliance, corner_compliance] = self.compliances;
+        let opening = (self.corner_pressure - pressure) * corner_compliance;
         // New pressure and intensity, and the part Mλ_K of the intensity that opens the contact.
         let mut case = [self.corner_pressure, yield_stress, m * opening];
         let is_cylinder = not_above(self.corner_pressure, pressure);
         replace(&mut case, is_cylinder, [pressure, yield_stress, N::ZERO]);
-        let cone_pressure = (m * pressure + friction_k * intensity) / (m + friction * friction_k);
+        let cone_pressure = (m * pressure + friction_k * intensity) * cone_compliance;
         let on_cone = friction * cone_pressure;
         let is_outside_cone = intensity.select_gt(friction * pressure, N::ONE, N::ZERO);
         let is_cone = is_outside_cone * not_above(on_cone, yield_stress);
@@ -118,7 +150,7 @@ impl<N: Number> GranularContact<N> {
             * not_above(N::ZERO, pressure);
         replace(&mut case, is_inside, [pressure, intensity, N::ZERO]);
         let [new_pressure, new_intensity, opened_intensity] = case;
-        let multiplier = (intensity - new_intensity - opened_intensity) / m;
+        let multiplier = (intensity - new_intensity - opened_intensity) * cylinder_compliance;
 
         let inverse = N::ONE / intensity.max(N::MIN_POSITIVE);
         let kept = new_intensity * inverse;
@@ -150,17 +182,29 @@ impl<N: Number> GranularContact<N> {
 
     /// Computes the stored energy ½σ:a:σ of a stress less that of another one, J/m³.
     #[inline(always)]
-    fn energy_difference<const SHEAR_COUNT: usize>(
+    pub(crate) fn energy_difference<const SHEAR_COUNT: usize>(
         &self,
         first: SymmetricTensor<N, SHEAR_COUNT>,
         second: SymmetricTensor<N, SHEAR_COUNT>,
     ) -> N {
+        let [of_mean, of_deviator] = self.doubled_energy_differences(first, second);
+        N::HALF * (of_mean + of_deviator)
+    }
+
+    /// Computes twice the energy of mean stress and deviator of a stress less those of another one, J/m³.
+    #[inline(always)]
+    pub(super) fn doubled_energy_differences<const SHEAR_COUNT: usize>(
+        &self,
+        first: SymmetricTensor<N, SHEAR_COUNT>,
+        second: SymmetricTensor<N, SHEAR_COUNT>,
+    ) -> [N; 2] {
         let (difference, sum) = (first.plus(second.scale(-N::ONE)), first.plus(second));
         let deviatoric = difference.deviator().contract(sum.deviator());
         let factor = self.intensity_factor;
-        N::HALF
-            * (difference.mean() * sum.mean() / self.bulk_modulus
-                + factor * factor * deviatoric / self.energy_modulus)
+        [
+            difference.mean() * sum.mean() / self.bulk_modulus,
+            factor * factor * deviatoric / self.energy_modulus,
+        ]
     }
 }
 

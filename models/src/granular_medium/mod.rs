@@ -9,8 +9,10 @@
 //! speed of sound are zero.
 
 mod contact_law;
+mod maxwell;
 mod parameters;
 mod uniaxial;
 
 pub use contact_law::{GranularContact, GranularStep};
+pub use maxwell::{MaxwellParticles, MaxwellStep, RelaxedState};
 pub use parameters::{GranularMedium, GranularParameters};

@@ -30,7 +30,7 @@ impl ElasticMaterial {
             ("longitudinal_speed", self.longitudinal_speed),
             ("shear_speed", self.shear_speed),
         ] {
-            ensure(value > 0.0 && value.is_finite(), name, value, "a positive number")?;
+            ensure(value > 0.0 && value.is_finite(), name, value, "expected a positive number")?;
         }
         Ok(())
     }

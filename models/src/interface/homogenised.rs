@@ -16,6 +16,7 @@
 //! side of a block, and δ enters through stiffness and mass only. [`Validity`] says how far each constant is justified.
 
 use super::elastic::ElasticMaterial;
+use crate::common::decimal::ShortNumber;
 use crate::common::input::{InputError, ensure};
 use crate::solid::parameters::PlaneCompliances;
 
@@ -42,14 +43,15 @@ impl BlockMaterial {
             ("longitudinal_speed", longitudinal_speed),
             ("shear_speed", shear_speed),
         ] {
-            ensure(value > 0.0 && value.is_finite(), name, value, "a positive number")?;
+            ensure(value > 0.0 && value.is_finite(), name, value, "expected a positive number")?;
         }
         ensure(
             3.0 * (longitudinal_speed / shear_speed).powi(2) > 4.0,
             "longitudinal_speed",
             longitudinal_speed,
             format_args!(
-                "the energy is positive definite only for 3c₁² > 4c₂², c₂ = {shear_speed}"
+                "expected more than 2c₂/√3 = {} m/s: the energy is positive definite only for 3c₁² > 4c₂²",
+                ShortNumber(2.0 * shear_speed / 3.0_f64.sqrt())
             ),
         )
     }
@@ -239,7 +241,7 @@ impl BlockyMedium {
         self.block.check()?;
         self.layer.check()?;
         let period = self.period;
-        ensure(period > 0.0 && period.is_finite(), "period", period, "a positive number")
+        ensure(period > 0.0 && period.is_finite(), "period", period, "expected a positive number")
     }
 
     /// Stiffnesses K_n = ρ′c₁′²/δ and K_t = ρ′c₂′²/δ of a layer, Pa/m.

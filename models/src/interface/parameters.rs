@@ -5,6 +5,7 @@
 //! Sadovskii & Sadovskaya (blocky media with compliant interlayers), formulas derived anew.
 
 use super::elastic::ElasticMaterial;
+use crate::common::decimal::ShortNumber;
 use crate::common::input::{InputError, ensure};
 use crate::common::parameter::Parameter;
 use crate::common::range::AllowedRange;
@@ -298,7 +299,7 @@ impl SaturatedMaterial {
             b0 * bf > bs * bs,
             COUPLING_STIFFNESS.name,
             bs,
-            format_args!("the energy must be positive: b_s² < b₀b_f = {}", b0 * bf),
+            format_args!("the energy must be positive: b_s² < b₀b_f = {}", ShortNumber(b0 * bf)),
         )?;
         let compliance = self.instantaneous_compliance;
         INSTANTANEOUS_COMPLIANCE.check(compliance, "the compliance must be a₀ > 0, in 1/Pa")?;
@@ -416,7 +417,7 @@ fn check_tensile_strength(strength: f64, plastic: &PlasticConstants) -> Result<(
         strength,
         format_args!(
             "the tensile strength must be at most τ_s/k_s = {}, in Pa",
-            plastic.shear_strength / plastic.friction
+            ShortNumber(plastic.shear_strength / plastic.friction)
         ),
     )
 }

@@ -9,9 +9,11 @@
 //! walls: with the spherical contact only the mean stress of the spring acts, for tr ε < −θ₀; a contact with friction
 //! acts earlier.
 
+mod cone_law;
 mod parameters;
 mod pore_law;
 mod uniaxial;
 
+pub use cone_law::{PoreConeLaw, PoreConeStep};
 pub use parameters::{PoreContact, PorousMedium, PorousParameters};
 pub use pore_law::{PoreLaw, PoreState, PoreStep};

@@ -19,7 +19,7 @@ pub struct PorousParameters {
     pub yield_stress: Option<f64>,
     /// Coefficient c² of the intensity of shear stress τ² = c² s:s; > 0.
     pub intensity_coefficient: f64,
-    /// Bulk modulus k_b that collapsed pores add, Pa; ≥ 0.
+    /// Bulk modulus k_b that collapsed pores add, Pa; ≥ 0, > 0 with friction.
     pub contact_bulk_modulus: f64,
     /// Porosity θ₀ of the natural state; in [0, 1).
     pub porosity: f64,
@@ -83,6 +83,12 @@ impl PorousMedium {
             "the porosity must be 0 ≤ θ₀ < 1",
         )?;
         if let PoreContact::Frictional { shear_modulus, friction } = own.contact {
+            ensure(
+                Positive.contains(own.contact_bulk_modulus),
+                "contact_bulk_modulus",
+                own.contact_bulk_modulus,
+                "the bulk modulus of collapsed pores with friction must be k_b > 0, in Pa",
+            )?;
             ensure(
                 Positive.contains(shear_modulus),
                 "contact_shear_modulus",

@@ -3,6 +3,7 @@
 use super::element::{Element, ElementState};
 use super::scheme::{LoadControl, RheologicalScheme, SchemeError};
 use super::step::{SchemeState, StepError};
+use crate::common::decimal::{format_exact, format_rounded};
 
 /// Maximum number of steps of a load path.
 pub const MAX_STEPS: usize = 100_000;
@@ -26,11 +27,12 @@ pub enum LoadPathError {
     #[error("a time, strain or stress is not finite")]
     NotFinite,
     /// A time is not above that of the point before.
-    #[error("the time {0:?} s is not above that of the point before")]
+    #[error("the time {} s is not above that of the point before", format_exact(*.0))]
     TimeNotIncreasing(f64),
     /// The rate of a cyclic path is not positive, or a segment would take no or infinite time.
     #[error(
-        "the rate {0:?} is not positive, or so small or large that a segment has no finite duration"
+        "the rate {} is not positive, or so small or large that a segment has no finite duration",
+        format_exact(*.0)
     )]
     Rate(f64),
     /// There are no steps, or too many.
@@ -45,7 +47,7 @@ pub enum ResponseError {
     #[error(transparent)]
     Scheme(#[from] SchemeError),
     /// A step has no end state.
-    #[error("at the time {time:?} s {error}")]
+    #[error("at the time {} s {error}", format_rounded(*.time))]
     Step {
         /// Time at the end of the step, s.
         time: f64,

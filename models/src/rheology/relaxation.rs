@@ -26,6 +26,7 @@
 //! the elastic energy of s with the unrelaxed modulus plus an energy that depends on a only. So a wave step that does
 //! not increase the first term at constant a does not increase the total energy.
 
+use crate::common::decimal::format_distinct;
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
@@ -83,7 +84,10 @@ impl StandardLinearSolid {
         ensure(
             branch_modulus < unrelaxed.mu,
             BRANCH_MODULUS.name,
-            format_args!("μ₁ = {branch_modulus}, μ = {}", unrelaxed.mu),
+            std::fmt::from_fn(|formatter| {
+                let [branch, unrelaxed] = format_distinct([branch_modulus, unrelaxed.mu]);
+                write!(formatter, "μ₁ = {branch}, μ = {unrelaxed}")
+            }),
             "the relaxed shear modulus μ − μ₁ must be positive",
         )?;
         Ok(Self { unrelaxed, branch_modulus, relaxation_time })

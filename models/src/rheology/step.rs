@@ -14,6 +14,7 @@
 use super::element::ElementState;
 use super::polyline::{Coordinate, MonotonePolyline};
 use super::scheme::{LoadControl, RheologicalScheme, SchemeTree};
+use crate::common::decimal::format_rounded;
 
 /// State of a scheme.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,8 @@ pub struct SchemeState {
 pub enum StepError {
     /// The scheme cannot reach the strain: a damper is rigid in a jump, or a contact is closed.
     #[error(
-        "the strain {value:?} cannot be reached: in this step the strain is from {} to {}",
+        "the strain {} cannot be reached: in this step the strain is from {} to {}",
+        format_rounded(*value),
         format_bound(bounds[0]),
         format_bound(bounds[1])
     )]
@@ -47,7 +49,8 @@ pub enum StepError {
     },
     /// The scheme does not bear the stress.
     #[error(
-        "the stress {value:?} Pa is not borne: the stress of this scheme is from {} to {} Pa",
+        "the stress {} Pa is not borne: the stress of this scheme is from {} to {} Pa",
+        format_rounded(*value),
         format_bound(bounds[0]),
         format_bound(bounds[1])
     )]
@@ -66,7 +69,7 @@ fn format_bound(bound: f64) -> String {
     match bound {
         f64::NEG_INFINITY => "−∞".to_owned(),
         f64::INFINITY => "∞".to_owned(),
-        bound => format!("{bound:?}"),
+        bound => format_rounded(bound),
     }
 }
 

@@ -8,6 +8,7 @@
 //! ```
 
 use super::stress::{Stress, StressShape, Tensor};
+use crate::common::decimal::{ShortNumber, format_distinct};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
 use crate::common::parameter::define_parameters;
@@ -270,7 +271,10 @@ impl PlaneCompliances {
         ensure(
             self.anisotropy().abs() <= 1e-12,
             "a1",
-            format_args!("a₁ + b₁ = {}, a₂ − b₂ = {}", a1 + b1, a2 - b2),
+            std::fmt::from_fn(|formatter| {
+                let [shear, other] = format_distinct([a1 + b1, a2 - b2]);
+                write!(formatter, "a₁ + b₁ = {shear}, a₂ − b₂ = {other}")
+            }),
             "λ, μ and α exist only where a₁ + b₁ = a₂ − b₂: this solid is cubic",
         )?;
         let mu = 0.5 / (a1 + b1);
@@ -319,5 +323,10 @@ fn check_positive(
     name: &str,
     allowed: &str,
 ) -> Result<(), InputError> {
-    ensure(value > 0.0 && value.is_finite(), key, format_args!("{name} = {value}"), allowed)
+    ensure(
+        value > 0.0 && value.is_finite(),
+        key,
+        format_args!("{name} = {}", ShortNumber(value)),
+        allowed,
+    )
 }

@@ -119,8 +119,8 @@ impl YieldConditions for Mises {
         ensure(
             self.hardening == 0.0,
             "hardening",
-            format_args!("{:?}", self.hardening),
-            "runs have ideal plasticity: leave it out, or 0",
+            self.hardening,
+            "expected 0: the solver has ideal plasticity",
         )?;
         check_associated("dilatancy", self.dilatancy, self.friction)
     }

@@ -89,8 +89,10 @@ pub fn check_associated(
     ensure(
         dilatancy == friction,
         key,
-        format_args!("{dilatancy:?}"),
-        format_args!("runs have associated flow: {friction:?}, as the friction"),
+        dilatancy,
+        format_args!(
+            "expected {friction}, the friction: the solver has associated flow rules only"
+        ),
     )
 }
 

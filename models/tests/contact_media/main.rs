@@ -3,7 +3,9 @@
 
 mod closed_forms;
 mod granular_steps;
+mod maxwell;
 mod parameters;
+mod pore_cone_steps;
 mod pore_steps;
 mod tensor_law;
 mod tensors;

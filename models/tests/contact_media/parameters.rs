@@ -30,7 +30,9 @@ fn constants_out_of_range_are_named_with_their_values() {
         for &value in values {
             let mut own = sand;
             change(&mut own, value);
-            assert_eq!(refused(own), (name, value.to_string()));
+            let (input, found) = refused(own);
+            let found: f64 = found.parse().unwrap();
+            assert_eq!((input, found.to_bits()), (name, value.to_bits()));
         }
     }
     let frictional = |shear_modulus, friction| PoreContact::Frictional { shear_modulus, friction };

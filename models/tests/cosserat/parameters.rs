@@ -122,7 +122,9 @@ fn moduli_are_recovered_from_compliances() {
         cubic.a1 *= 1.0 + 1e-6;
         let error = cubic.isotropic_moduli().unwrap_err();
         assert!(error.allowed_values.contains("a₁ + b₁ = a₂ − b₂"), "{error}");
-        assert!(error.rejected_value.contains(&format!("{}", cubic.a1 + cubic.b1)), "{error}");
+        let (_, sum) = error.rejected_value.split_once("a₁ + b₁ = ").expect("the sum");
+        let sum: f64 = sum.split(',').next().and_then(|own| own.parse().ok()).expect("a number");
+        assert!((sum / (cubic.a1 + cubic.b1) - 1.0).abs() < 1e-5, "{error}");
     }
     assert_eq!(PlaneCompliances::from_isotropic(&random_solid(&mut random, 1)), None);
     assert_eq!(PlaneCompliances::from_isotropic(&random_solid(&mut random, 0)), None);

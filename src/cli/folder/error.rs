@@ -22,7 +22,7 @@ impl OutputError {
         Self {
             path: path.to_owned(),
             cause: cause.to_string(),
-            remedy: "name a place that can be written to",
+            remedy: "name a folder that can be written to with --out DIR",
         }
     }
 
@@ -30,7 +30,9 @@ impl OutputError {
     pub fn from_read_error(path: &Path, error: &std::io::Error) -> Self {
         match error.kind() {
             ErrorKind::NotFound => Self::from_invalid_content(path, "is missing"),
-            _ => Self { path: path.to_owned(), cause: error.to_string(), remedy: "let it be read" },
+            _ => {
+                Self { path: path.to_owned(), cause: error.to_string(), remedy: "make it readable" }
+            }
         }
     }
 

@@ -289,9 +289,18 @@ fn check_writable(folder: &Path) -> Result<(), OutputError> {
     // `symlink_metadata`, so that a dangling link counts as existing.
     let nearest = folder.ancestors().find(|above| above.symlink_metadata().is_ok());
     let nearest = nearest.unwrap_or(Path::new("."));
-    let at = |error| OutputError::new(nearest, error);
+    let at = |error: std::io::Error| match nearest == folder {
+        true => OutputError::new(folder, error),
+        false => OutputError::new(
+            folder,
+            format!("no folder can be created in {}: {error}", nearest.display()),
+        ),
+    };
     if !fs::metadata(nearest).map_err(at)?.is_dir() {
-        return Err(OutputError::new(nearest, "not a folder"));
+        return Err(match nearest == folder {
+            true => OutputError::new(folder, "not a folder"),
+            false => OutputError::new(folder, format!("{} is not a folder", nearest.display())),
+        });
     }
     loop {
         let count = PROBE_COUNT.fetch_add(1, Ordering::Relaxed);

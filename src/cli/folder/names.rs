@@ -180,8 +180,9 @@ impl AppendedFile {
 
 /// Returns the file name of a snapshot of a case by its index, from 0.
 pub fn snapshot_file_name(case: &Case, index: usize) -> String {
-    // Snapshots of flows are on a deformed grid, hence structured (`vts`).
-    let extension = if case.flow_run.is_some() { "vts" } else { "vti" };
+    // Snapshots of flows are on a deformed grid, those of polar grids on a curved one: structured grids (`vts`).
+    let is_polar = case.solid_run.as_ref().is_some_and(|run| run.grid.is_polar());
+    let extension = if case.flow_run.is_some() || is_polar { "vts" } else { "vti" };
     format!("snapshot-{index:08}.{extension}")
 }
 
@@ -202,7 +203,7 @@ pub fn snapshot_file_names(case: &Case, index: usize) -> Vec<String> {
     std::iter::once(snapshot_file_name(case, index)).chain(joints).collect()
 }
 
-/// Returns whether the name is that of a snapshot file: `snapshot-00000012.vti`, for flows `.vts`, or
+/// Returns whether the name is that of a snapshot file: `snapshot-00000012.vti`, for flows and polar grids `.vts`, or
 /// `joints-00000012.vtp`.
 pub fn is_snapshot_name(name: &str) -> bool {
     let fields = || {

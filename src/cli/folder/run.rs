@@ -36,8 +36,11 @@ impl ResultFolder {
             cause: cause.to_owned(),
             remedy,
         };
+        let remedy = "name a folder with the results of wellposed run";
+        if let Some(cause) = describe_other_results(path) {
+            return Err(refused(&cause, remedy).into());
+        }
         if !path.join(CASE_FILE).is_file() {
-            let remedy = "name the folder of results of wellposed run";
             return Err(refused("no run: it holds no case.toml", remedy).into());
         }
         // Only the path is known here: the folder is locked before its content is read.
@@ -66,9 +69,10 @@ impl ResultFolder {
     /// The folder holds no finished run, or its case was changed in more than the plot options.
     pub fn open_finished_run(path: &Path) -> Result<(Self, Case), CommandError> {
         if !path.join(FINISHED_RUN_FILE).exists() || !path.join(CASE_FILE).is_file() {
-            let remedy = "name the folder of results of wellposed run; resume an unfinished one";
-            let (path, cause) = (path.to_owned(), "no finished run".to_owned());
-            return Err(OutputError { path, cause, remedy }.into());
+            let remedy = "name a folder with the results of wellposed run; wellposed resume \
+                          finishes an interrupted one";
+            let cause = describe_other_results(path).unwrap_or("no finished run".to_owned());
+            return Err(OutputError { path: path.to_owned(), cause, remedy }.into());
         }
         let (folder, case) = Self::from_stored_case(path)?;
         folder.check_stored_case()?;
@@ -194,6 +198,23 @@ impl ResultFolder {
             names.iter().filter(|name| is_run_file_name(name) || *name == AppendedFile::Log.name());
         own.try_for_each(|name| remove_file_if_exists(&self.path.join(name)))
     }
+}
+
+/// Returns the message that a folder holds results of other verbs than `run`; `None` if it holds files of a run, or no
+/// results.
+fn describe_other_results(path: &Path) -> Option<String> {
+    const VERBS: [&str; 8] =
+        ["map", "point", "dispersion", "diagram", "speeds", "shocks", "check", "compare"];
+    let run_files = [AppendedFile::Checkpoint, AppendedFile::Log, AppendedFile::Ledger];
+    if path.join(FINISHED_RUN_FILE).exists()
+        || run_files.iter().any(|file| path.join(file.name()).exists())
+    {
+        return None;
+    }
+    let verbs: Vec<&str> =
+        VERBS.into_iter().filter(|verb| path.join(format!("{verb}.json")).exists()).collect();
+    (!verbs.is_empty())
+        .then(|| format!("holds results of wellposed {}, but no run", verbs.join(" and ")))
 }
 
 /// Folder of a run in progress, locked against other runs until dropped.

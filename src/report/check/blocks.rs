@@ -2,6 +2,7 @@
 
 use super::solid::{write_column_headers, write_rows};
 use super::{format_max_error, format_unmeasured_count};
+use crate::report::format::format_count;
 use crate::study::check::blocks::BlockyMediumCheck;
 use std::fmt::Write as _;
 
@@ -38,8 +39,8 @@ impl BlockyMediumCheck {
         };
         let _ = writeln!(
             text,
-            "\n{} waves, {}{verdict}{}",
-            self.branch_checks.len(),
+            "\n{}, {}{verdict}{}",
+            format_count(self.branch_checks.len(), "wave"),
             format_max_error(self.max_relative_difference()),
             format_unmeasured_count(self.unmeasured_count()),
         );

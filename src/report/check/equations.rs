@@ -1,13 +1,21 @@
 //! Check report of a model given as equations.
 
-use super::{format_agreement, format_max_error, format_scientific};
+use super::{
+    format_agreement, format_max_error, format_scientific, format_signed_significant,
+    format_significant,
+};
 use crate::case::Case;
-use crate::report::format::{case_title, format_short};
-use crate::study::check::equations::EquationsCheck;
+use crate::report::format::{case_title, format_count, format_short};
+use crate::study::check::equations::{EquationsCheck, EvolutionCheck, WaveCheck};
 use std::fmt::Write as _;
 
-pub(super) const EQUATIONS_CHECK_UNITS: [(&str, &str); 2] =
-    [("wave_vector", "1/m"), ("rate", "1/s")];
+pub(super) const EQUATIONS_CHECK_UNITS: [(&str, &str); 5] = [
+    ("wave_vector", "1/m"),
+    ("rate", "1/s"),
+    ("predicted", "1/s"),
+    ("measured", "1/s"),
+    ("rate_tolerance", "1/s"),
+];
 
 impl EquationsCheck {
     pub(super) fn to_text(&self, case: &Case) -> String {
@@ -17,11 +25,10 @@ impl EquationsCheck {
              errors relative to the terms of an entry\n\n",
         );
         for own in &self.wave_checks {
-            let vector: Vec<String> = own.wave_vector.iter().map(|k| format_short(*k)).collect();
             let _ = writeln!(
                 text,
-                "k = ({}) 1/m, ς = {} {:+.3e} i 1/s: error {}{}, {}",
-                vector.join(", "),
+                "k = {} 1/m, ς = {} {:+.3e} i 1/s: error {}{}, {}",
+                own.format_wave_vector(),
                 format_short(own.rate[0]),
                 own.rate[1],
                 format_scientific(own.error),
@@ -30,17 +37,71 @@ impl EquationsCheck {
                 } else {
                     String::new()
                 },
-                format_agreement(own.is_in_agreement)
+                format_agreement(own.is_symbol_in_agreement)
             );
         }
+        self.write_evolution(&mut text);
         let (largest, tolerance) =
             (format_max_error(self.max_error()), format_scientific(self.tolerance));
-        let _ = writeln!(
+        let _ = write!(
             text,
-            "\n{} waves, {largest}, tolerance {tolerance}\nnot measured: {}",
-            self.wave_checks.len(),
-            self.not_measured
+            "\n{}, {largest}, tolerance {tolerance}\n{}",
+            format_count(self.wave_checks.len(), "wave"),
+            self.describe_rates(),
         );
+        text
+    }
+
+    fn write_evolution(&self, text: &mut String) {
+        if self.wave_checks.iter().all(|own| own.evolution.is_none()) {
+            return;
+        }
+        text.push_str(
+            "\nplane waves in time: the differences integrated by the Radau IIA method of order 5, against the roots ς of \
+             the linearised equations; 1/s, in the frame of the background velocity\n",
+        );
+        for (own, evolution) in
+            self.wave_checks.iter().filter_map(|own| Some((own, own.evolution.as_ref()?)))
+        {
+            let _ =
+                writeln!(text, "\nk = {} 1/m: {}", own.format_wave_vector(), evolution.summarise());
+            let rate = |[re, im]: [f64; 2]| {
+                format!("{} {} i", format_significant(re), format_signed_significant(im))
+            };
+            for mode in &evolution.modes {
+                let _ = writeln!(
+                    text,
+                    "  predicted {}, measured {}, tolerance {}, {}",
+                    rate(mode.predicted),
+                    rate(mode.measured),
+                    format_scientific(mode.tolerance),
+                    format_agreement(mode.is_in_agreement)
+                );
+            }
+        }
+    }
+
+    fn describe_rates(&self) -> String {
+        let found: Vec<&EvolutionCheck> =
+            self.wave_checks.iter().filter_map(|own| own.evolution.as_ref()).collect();
+        let mut text = String::new();
+        if !found.is_empty() {
+            let modes: usize = found.iter().map(|own| own.modes.len()).sum();
+            let largest = found.iter().map(|own| own.max_relative_difference).reduce(f64::max);
+            let _ = writeln!(
+                text,
+                "{} waves in time, {modes} modes, {} of the largest root",
+                found.len(),
+                format_max_error(largest)
+            );
+        }
+        if self.singular_count > 0 {
+            let _ = writeln!(
+                text,
+                "not measured: evolution in time of {} waves, which the equations do not determine (singular pencil)",
+                self.singular_count
+            );
+        }
         text
     }
 
@@ -52,10 +113,48 @@ impl EquationsCheck {
     pub(super) fn summary(&self) -> String {
         let agree = self.wave_checks.iter().all(|own| own.is_in_agreement);
         format!(
-            "{} waves, {}: {}",
-            self.wave_checks.len(),
+            "{}, {}: {}",
+            format_count(self.wave_checks.len(), "wave"),
             format_max_error(self.max_error()),
             format_agreement(agree)
         )
+    }
+}
+
+impl WaveCheck {
+    fn format_wave_vector(&self) -> String {
+        let components: Vec<String> = self.wave_vector.iter().map(|k| format_short(*k)).collect();
+        format!("({})", components.join(", "))
+    }
+}
+
+impl EvolutionCheck {
+    /// Numbers of roots and solutions, constraints, and the recurrence, in words.
+    fn summarise(&self) -> String {
+        let mut text = format!("roots: {}", self.root_count);
+        let multiple = self.root_count - self.modes.len();
+        if multiple > 0 {
+            let _ = write!(text, ", of which multiple: {multiple}");
+        }
+        if self.solution_count != self.root_count {
+            let _ = write!(text, "; solutions in time: {}, DISAGREES", self.solution_count);
+        }
+        if self.differentiation_count > 0 {
+            let _ = write!(
+                text,
+                "; constraints differentiated: {}, residual {}",
+                self.differentiation_count,
+                format_scientific(self.constraint_residual)
+            );
+        }
+        let agrees = self.recurrence_error <= self.recurrence_tolerance;
+        let _ = write!(
+            text,
+            "; all modes together: error {}, tolerance {}, {}",
+            format_scientific(self.recurrence_error),
+            format_scientific(self.recurrence_tolerance),
+            format_agreement(agrees)
+        );
+        text
     }
 }

@@ -3,6 +3,7 @@
 mod blocks;
 mod equations;
 mod flow;
+mod shocks;
 mod solid;
 
 use super::format::case_title;
@@ -22,6 +23,7 @@ impl Report for CheckResult {
             CheckOutcome::Equations(_) => &equations::EQUATIONS_CHECK_UNITS,
             CheckOutcome::Solid(_) => &solid::SOLID_CHECK_UNITS,
             CheckOutcome::Flow(_) => &flow::FLOW_CHECK_UNITS,
+            CheckOutcome::Shocks(_) => &shocks::SHOCK_CHECK_UNITS,
         }
     }
 
@@ -34,6 +36,7 @@ impl Report for CheckResult {
             CheckOutcome::Equations(own) => own.to_text(case),
             CheckOutcome::Flow(own) => own.to_text(case),
             CheckOutcome::Solid(own) => own.to_text(case),
+            CheckOutcome::Shocks(own) => own.to_text(case, &self.medium_title),
         }
     }
 
@@ -54,6 +57,10 @@ impl Report for CheckResult {
                 let figure = own.medium_checks[0].create_figure(case);
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
             }
+            CheckOutcome::Shocks(own) => vec![match own.create_figure(case) {
+                Ok(figure) => ReportPicture::new(Self::NAME, move |format| figure.draw(format)),
+                Err(note) => ReportPicture::new(Self::NAME, move |format| note.draw(format)),
+            }],
             CheckOutcome::Flow(own) => {
                 let figure = own.create_figure(case);
                 let refinement = own.create_refinement_figure(case);
@@ -83,8 +90,11 @@ pub fn format_unmeasured_count(count: usize) -> String {
     if count == 0 { String::new() } else { format!("; {count} not measurable") }
 }
 
+/// Last word of a row whose measurement and prediction disagree.
+pub const DISAGREES: &str = "DISAGREES";
+
 fn format_agreement(is_in_agreement: bool) -> &'static str {
-    if is_in_agreement { "agrees" } else { "DISAGREES" }
+    if is_in_agreement { "agrees" } else { DISAGREES }
 }
 
 /// Formats a number in scientific notation with two significant digits: `3.2e-7`; zero as `0`.
@@ -95,6 +105,11 @@ pub fn format_scientific(x: f64) -> String {
 /// Formats a number in scientific notation with two significant digits and its sign: `+3.2e-7`; zero as `0`.
 fn format_signed_scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:+.1e}") }
+}
+
+/// Formats a frequency or rate like [`format_significant`], with its sign.
+fn format_signed_significant(x: f64) -> String {
+    format!("{}{}", if x.is_sign_negative() { "-" } else { "+" }, format_significant(x.abs()))
 }
 
 /// Formats a frequency or rate with seven significant digits, or six outside of 10⁻³ to 10⁶.

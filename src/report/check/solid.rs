@@ -5,7 +5,7 @@ use super::{
     format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
-use crate::report::format::{case_title, format_short};
+use crate::report::format::{case_title, format_count, format_short};
 use crate::study::check::solid::{BranchCheck, MediumCheck, SolidCheck};
 use crate::study::dispersion::WaveVector;
 use agreement::solids::WaveResponse;
@@ -65,8 +65,8 @@ impl MediumCheck {
         };
         let _ = writeln!(
             text,
-            "\n{} waves, {}{verdict}{}",
-            self.branch_checks.len(),
+            "\n{}, {}{verdict}{}",
+            format_count(self.branch_checks.len(), "wave"),
             format_max_error(self.max_relative_difference()),
             format_unmeasured_count(self.unmeasured_count()),
         );
@@ -197,7 +197,7 @@ fn wave_direction(wave: &WaveVector) -> [f64; 2] {
 /// Writes the results of all branches, grouped by wave vector.
 pub(super) fn write_rows(rows: &[BranchCheck], text: &mut String) {
     let mut last: Option<WaveVector> = None;
-    for row in rows {
+    for row in merge_equal_branches(rows) {
         let wave = row.wave;
         if last != Some(wave) {
             let up = match wave.elevation_deg {
@@ -210,6 +210,32 @@ pub(super) fn write_rows(rows: &[BranchCheck], text: &mut String) {
         }
         row.write_row(text);
     }
+}
+
+/// Returns one row for each branch of each wave: of branches of equal frequency, which have the same name, the first that
+/// disagrees or was not measured, else the one with the largest error.
+fn merge_equal_branches(rows: &[BranchCheck]) -> Vec<&BranchCheck> {
+    const EQUAL_FREQUENCY_TOLERANCE: f64 = 1e-9;
+    let is_same = |one: &BranchCheck, other: &BranchCheck| {
+        let [first, second] = [one, other].map(|row| row.predicted_frequency.angular_frequency);
+        (first - second).abs() <= EQUAL_FREQUENCY_TOLERANCE * first.abs()
+            && one.wave == other.wave
+            && one.response == other.response
+            && one.branch_label == other.branch_label
+    };
+    let rank = |row: &BranchCheck| {
+        let error = row.measured_difference.map_or(f64::INFINITY, |own| own.frequency.abs());
+        (row.is_in_agreement != Some(true), error)
+    };
+    let mut merged: Vec<&BranchCheck> = Vec::new();
+    for row in rows {
+        match merged.last_mut().filter(|last| is_same(last, row)) {
+            Some(last) if rank(row) > rank(last) => *last = row,
+            Some(_) => {}
+            None => merged.push(row),
+        }
+    }
+    merged
 }
 
 /// Writes the column headers; `coarse` is that of the error on the coarsest grid.

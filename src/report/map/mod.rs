@@ -4,7 +4,7 @@ mod figure;
 mod tables;
 
 use super::format::{
-    CLOSED_FORM_ROUTE, VALIDITY_NOTE, case_title, format_short, format_superscript,
+    CLOSED_FORM_ROUTE, VALIDITY_NOTE, case_title, format_count, format_short, format_superscript,
     format_unit_suffix,
 };
 use super::{Report, ReportPicture};
@@ -43,7 +43,7 @@ impl Report for MapResult {
         };
         for ((_, count), route) in self.route_counts.into_iter().zip([CLOSED_FORM_ROUTE, blind]) {
             if count > 0 {
-                lines.push(format!("Route of {count} verdicts: {route}"));
+                lines.push(format!("Route of {}: {route}", format_count(count, "verdict")));
             }
         }
         lines.push(VALIDITY_NOTE.into());
@@ -66,13 +66,17 @@ impl MapResult {
         for (name, count) in self.status_counts {
             if count > 0 {
                 let share = 100.0 * count as f64 / all;
-                lines.push(format!("  {share:5.1} %  {name} ({count} points)"));
+                lines.push(format!("  {share:5.1} %  {name} ({})", format_count(count, "point")));
             }
         }
         let of_solid = self.solid.iter().flat_map(|solid| solid.hyperbolicity_counts);
         for (hyperbolicity, (_, count)) in Hyperbolicity::ALL.into_iter().zip(of_solid) {
             if count > 0 {
-                lines.push(format!("  {count} points: {}", hyperbolicity.description()));
+                lines.push(format!(
+                    "  {}: {}",
+                    format_count(count, "point"),
+                    hyperbolicity.description()
+                ));
             }
         }
         if let Some(share) = self.well_posed_fraction {
@@ -86,8 +90,8 @@ impl MapResult {
         }
         if self.unbounded_at_finite_wave_number > 0 {
             lines.push(format!(
-                "At {} ill-posed points the growth rate is unbounded already at finite wave numbers.",
-                self.unbounded_at_finite_wave_number
+                "At {} the growth rate is unbounded already at finite wave numbers.",
+                format_count(self.unbounded_at_finite_wave_number, "ill-posed point")
             ));
         }
     }

@@ -124,8 +124,7 @@ fn write_verdict(found: &EquationsAnalysis, text: &mut String) {
         );
     }
     if let Some(direction) = found.direction.as_ref().filter(|own| own.len() > 1) {
-        let components: Vec<String> = direction.iter().map(|own| format_short(*own)).collect();
-        let _ = writeln!(text, "  direction ({})", components.join(", "));
+        let _ = writeln!(text, "  direction ({})", format_components(direction));
     }
     if let Some(step) = found.resolution_deg {
         let _ = writeln!(
@@ -140,9 +139,19 @@ fn write_verdict(found: &EquationsAnalysis, text: &mut String) {
             (None, Some(WaveLimit::ShortWaves)) => "approached by the shortest waves".to_owned(),
             (None, _) => "approached by the longest waves".to_owned(),
         };
-        let _ = writeln!(text, "  growth rate at most {} 1/s, {place}", format_short(bound));
+        let direction = match found.supremum_direction.as_deref() {
+            Some(own) if own.len() > 1 => format!(", direction ({})", format_components(own)),
+            _ => String::new(),
+        };
+        let _ =
+            writeln!(text, "  growth rate at most {} 1/s, {place}{direction}", format_short(bound));
     }
     let _ = writeln!(text, "Route: {}\n{VALIDITY_NOTE}", found.evidence.route);
+}
+
+fn format_components(vector: &[f64]) -> String {
+    let components: Vec<String> = vector.iter().map(|own| format_short(*own)).collect();
+    components.join(", ")
 }
 
 /// Creates the archive of the linearised equations: matrices A, B and C by rows, and the list of all coefficients.

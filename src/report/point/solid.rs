@@ -2,7 +2,9 @@
 
 use crate::case::{Case, ModelKind};
 use crate::report::ReportPicture;
-use crate::report::format::{VALIDITY_NOTE, case_title, format_normal as at, format_short};
+use crate::report::format::{
+    VALIDITY_NOTE, case_title, format_normal as at, format_short, format_superscript,
+};
 use crate::setup::solid::wave_normal;
 use crate::study::SolidAnalysis;
 use crate::study::format::describe_evidence;
@@ -35,10 +37,11 @@ pub(super) fn format_text(case: &Case, found: &SolidAnalysis) -> String {
     let wave = case.material.numbers.wave;
     let _ = writeln!(
         text,
-        "\nRoots ς at k = {} 1/m {}; {} more are zero",
+        "\nRoots ς at k = {} 1/m {}; {} more {} zero",
         format_short(wave.wave_number),
         at(wave_normal(&wave)),
-        found.zero_root_count
+        found.zero_root_count,
+        if found.zero_root_count == 1 { "is" } else { "are" },
     );
     for [re, im] in &found.dispersion_roots {
         let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", format_short(*re));
@@ -170,7 +173,11 @@ fn write_verdict(found: &SolidAnalysis, text: &mut String) {
     let evidence = match &assessment.verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => {
             let normal = assessment.normal.map_or(String::new(), at);
-            format!("Re ς ≈ {} k^{} as k → ∞ {normal}", growth.coefficient, growth.order.to_f64())
+            format!(
+                "Re ς ≈ {} k{} as k → ∞ {normal}",
+                format_short(growth.coefficient),
+                format_superscript(growth.order.to_f64())
+            )
         }
         Verdict::WellPosed if found.solid.is_symmetric_hyperbolic() => {
             "symmetric-hyperbolic: the energy bounds every wave".into()

@@ -101,6 +101,7 @@ pub(super) fn create_figure(
         limit: None,
         fixed_limit: None,
         contour_levels: run.output.contour_levels.clone(),
+        body: None,
         material_indices: Vec::new(),
         has_yielded: Vec::new(),
         line_sets: Vec::new(),

@@ -200,7 +200,12 @@ mod tests {
     }
 
     fn create_grid() -> SolidGrid {
-        SolidGrid { cells: vec![16, 12], spacing: vec![0.5, 0.25], origin: vec![-1.0, 2.0] }
+        SolidGrid {
+            cells: vec![16, 12],
+            spacing: vec![0.5, 0.25],
+            origin: vec![-1.0, 2.0],
+            polar_bounds: None,
+        }
     }
 
     /// Verifies that linear magnitudes are interpolated exactly between rows whose junctions lie at different places, as in

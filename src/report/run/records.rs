@@ -1,6 +1,7 @@
 //! Pictures of receiver records and of the energy ledger.
 
 use super::display::axis_label;
+use super::polar::polar_label;
 use crate::case::Case;
 use crate::case::dynamics::Precision;
 use crate::report::ReportPicture;
@@ -21,6 +22,11 @@ pub(super) fn select_evenly_spaced_indices(count: usize) -> impl Iterator<Item =
 pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPicture {
     /// Maximum number of panels; further quantities are omitted.
     const MAX_PANELS: usize = 8;
+    let is_polar = case.solid_run.as_ref().is_some_and(|run| run.grid.is_polar());
+    let axis_label = |name: &str| match is_polar {
+        true => polar_label(&axis_label(name)),
+        false => axis_label(name),
+    };
     let columns = &table.columns;
     let mut receivers: Vec<&str> =
         columns.iter().filter_map(|own| Some(own.name.rsplit_once('.')?.0)).collect();

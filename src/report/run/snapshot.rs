@@ -1,11 +1,14 @@
 //! Snapshots as VTK image data for ParaView, and reading of their arrays.
 
+use super::polar::reflect_components;
 use crate::Error;
+use crate::case::dynamics::SolidGrid;
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::{FieldQuantity, OutputFields, quantity_unit};
 use files::vti::{ImageData, ImageGrid, Storage};
 
-/// Creates the ParaView image of the fields of one time; for flows on the deformed grid.
+/// Creates the ParaView image of the fields of one time; for flows on the deformed grid, for polar grids in Cartesian
+/// coordinates, with Cartesian components of the velocity.
 ///
 /// # Errors
 /// The case has no simulation, or the fields do not match its grid.
@@ -27,15 +30,31 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
                 .to_vec(),
         },
     };
-    let mut image = match fields.deformation_gradient {
-        Some(deformation) => ImageData::with_deformation(grid, deformation, Storage::Plain)?,
-        None => ImageData::new(grid, Storage::Plain)?,
+    let polar = case.solid_run.as_ref().map(|run| &run.grid).filter(|grid| grid.is_polar());
+    let mut image = match (fields.deformation_gradient, polar) {
+        (Some(deformation), _) => ImageData::with_deformation(grid, deformation, Storage::Plain)?,
+        (None, Some(_)) => ImageData::with_nodes(grid, SolidGrid::to_cartesian, Storage::Plain)?,
+        (None, None) => ImageData::new(grid, Storage::Plain)?,
     };
     image.set_time(fields.time)?;
-    let of_velocity = fields.quantities.iter().filter(|own| own.name.starts_with('v'));
+    let is_velocity = |own: &&FieldQuantity| {
+        own.name.strip_prefix('v').is_some_and(|axis| ["1", "2", "3"].contains(&axis))
+    };
+    let of_velocity = fields.quantities.iter().filter(is_velocity);
     let axes: Vec<&[f64]> = of_velocity.map(|own| own.values.as_slice()).collect();
-    image.add_vector("velocity [m/s]", &axes)?;
-    for own in fields.quantities.iter().filter(|own| !own.name.starts_with('v')) {
+    match (polar, axes.as_slice()) {
+        (Some(grid), [along_angle, along_radius]) => {
+            let [mut x, mut y] = [Vec::new(), Vec::new()];
+            for (cell, (a, b)) in along_angle.iter().zip(*along_radius).enumerate() {
+                let cartesian = reflect_components(grid, cell, [*a, *b]);
+                x.push(cartesian[0]);
+                y.push(cartesian[1]);
+            }
+            image.add_vector("velocity [m/s]", &[&x, &y])?;
+        }
+        _ => image.add_vector("velocity [m/s]", &axes)?,
+    }
+    for own in fields.quantities.iter().filter(|own| !is_velocity(own)) {
         image.add_array(&format!("{} [{}]", own.name, own.unit), 1, &own.values)?;
     }
     if !fields.plastic_dissipation.is_empty() {

@@ -3,10 +3,11 @@
 use super::display::axis_label;
 use super::fluid::FluidState;
 use super::joints::{JointLineScale, create_face_line_sets, create_line_sets};
+use super::polar::{PolarRaster, polar_label, reflect_components};
 use super::records::{create_ledger_picture, create_seismograms, select_evenly_spaced_indices};
 use super::snapshot::read_array;
 use crate::case::Case;
-use crate::case::dynamics::{FaceQuantity, PlottedQuantity, SolidRun, StateComponent};
+use crate::case::dynamics::{FaceQuantity, PlottedQuantity, SolidGrid, SolidRun, StateComponent};
 use crate::report::ReportPicture;
 use crate::report::format::{case_title, format_short};
 use crate::study::simulate::{OutputFields, RunRecords, quantity_unit};
@@ -119,13 +120,13 @@ fn create_figure(
     let mut figure = section.create_figure(case, shown, fields.time, values);
     if fields.region_indices.iter().any(|region| *region != fields.region_indices[0]) {
         let region = |cell: usize| fields.region_indices.get(cell).copied().unwrap_or(0);
-        figure.material_indices = section.cell_indices().map(region).collect();
+        let regions = section.cell_indices().map(region).collect();
+        figure.material_indices = section.to_raster(regions, u16::MAX);
     }
     if !fields.plastic_dissipation.is_empty() && shown != PlottedQuantity::Dissipation {
-        figure.has_yielded = section
-            .cell_indices()
-            .map(|cell| cell_value(&fields.plastic_dissipation, cell) > 0.0)
-            .collect();
+        let has_yielded = |cell| cell_value(&fields.plastic_dissipation, cell) > 0.0;
+        let yielded = section.cell_indices().map(has_yielded).collect();
+        figure.has_yielded = section.to_raster(yielded, false);
     }
     if let Some(blocks) = &solid_run.blocks {
         let faces = &fields.joint_faces;
@@ -149,6 +150,8 @@ pub(super) struct PlaneSection<'a> {
     axes: [usize; 2],
     /// Index of the section's layer of cells along x₂; `None` in two dimensions.
     layer: Option<usize>,
+    /// Raster of a polar grid, whose picture is in Cartesian coordinates; `None` for a rectangular one.
+    polar: Option<PolarRaster>,
 }
 
 impl<'a> PlaneSection<'a> {
@@ -161,7 +164,16 @@ impl<'a> PlaneSection<'a> {
             let index = ((at - grid.origin[1]) / grid.spacing[1]).floor().max(0.0) as usize;
             index.min(grid.cells[1] - 1)
         });
-        Self { solid_run, axes: if layer.is_none() { [0, 1] } else { [0, 2] }, layer }
+        let axes = if layer.is_none() { [0, 1] } else { [0, 2] };
+        Self { solid_run, axes, layer, polar: PolarRaster::new(grid) }
+    }
+
+    /// Converts values of the cells of the section to those of the cells of the picture; `outside` beyond the body.
+    fn to_raster<V: Copy>(&self, values: Vec<V>, outside: V) -> Vec<V> {
+        match &self.polar {
+            Some(polar) => polar.nearest(&values, outside),
+            None => values,
+        }
     }
 
     /// Iterates over the indices of the cells in the section, x₁ fastest.
@@ -198,7 +210,13 @@ impl<'a> PlaneSection<'a> {
                 .iter()
                 .fold(0.0, |s, v| Elementary::root_sum_square(s, *v)),
             PlottedQuantity::Component(StateComponent(SolidField::Velocity(i))) => {
-                all[3 * cell + i]
+                match self.solid_run.grid.is_polar() {
+                    true => {
+                        let cartesian = [all[3 * cell], all[3 * cell + 1]];
+                        reflect_components(&self.solid_run.grid, cell, cartesian)[i]
+                    }
+                    false => all[3 * cell + i],
+                }
             }
             _ => all[cell],
         };
@@ -230,6 +248,7 @@ impl<'a> PlaneSection<'a> {
                 (at[1] - grid.cell_centre(1, layer)).abs() <= 0.5 * grid.spacing[1]
             });
             let at = self.axes.map(|axis| at[axis]);
+            let at = if grid.is_polar() { SolidGrid::to_cartesian(at) } else { at };
             is_near.then(|| FieldMark { position: at, name: name.to_owned(), kind })
         };
         let named: Vec<usize> = select_evenly_spaced_indices(solid_run.receivers.len()).collect();
@@ -239,18 +258,34 @@ impl<'a> PlaneSection<'a> {
         };
         let receivers = solid_run.receivers.iter().enumerate();
         let sources = solid_run.sources.iter();
+        let label = match picture {
+            PlottedQuantity::Speed => "speed |v|, m/s".to_owned(),
+            _ => axis_label(&picture.name()),
+        };
+        let figure = match &self.polar {
+            Some(polar) => FieldFigure {
+                x: polar.x.clone(),
+                y: polar.y.clone(),
+                columns: polar.columns,
+                rows: polar.rows,
+                values: polar.interpolate(&values),
+                body: Some(polar.body()),
+                label: polar_label(&label),
+                ..FieldFigure::default()
+            },
+            None => FieldFigure {
+                x: axis(self.axes[0]),
+                y: axis(self.axes[1]),
+                columns: grid.cells[self.axes[0]],
+                rows: grid.cells[self.axes[1]],
+                values,
+                label,
+                ..FieldFigure::default()
+            },
+        };
         FieldFigure {
             title: case_title(case),
             subtitle,
-            x: axis(self.axes[0]),
-            y: axis(self.axes[1]),
-            columns: grid.cells[self.axes[0]],
-            rows: grid.cells[self.axes[1]],
-            values,
-            label: match picture {
-                PlottedQuantity::Speed => "speed |v|, m/s".to_owned(),
-                _ => axis_label(&picture.name()),
-            },
             is_signed: !matches!(
                 picture,
                 PlottedQuantity::Speed
@@ -283,6 +318,7 @@ impl<'a> PlaneSection<'a> {
                     }),
                 )
                 .collect(),
+            ..figure
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod blocks;
 pub mod flow;
+pub mod shocks;
 pub mod solid;
 
 use crate::case::{Case, CaseError, Material, ModelKind, SweepParameter};
@@ -10,6 +11,8 @@ use agreement::AgreementError;
 use blocks::BlockyMediumPlan;
 use flow::FlowCheckPlan;
 use models::InputError;
+use models::common::decimal::format_exact;
+use shocks::ShockCheckPlan;
 use solid::MediumPlan;
 
 /// Thoroughness of a check.
@@ -36,6 +39,8 @@ pub enum CheckPlan {
     /// Comparison of the linearised equations of a model given as equations with differences of the equations, at this
     /// number of waves.
     Equations(usize),
+    /// Check of the plane waves of a granular or porous medium.
+    Shocks(Box<ShockCheckPlan>),
     /// No check, since no solver supports the case; contains the reason.
     NotMeasurable(String),
 }
@@ -46,7 +51,7 @@ impl CheckPlan {
     /// # Errors
     /// The case is invalid, or its state cannot be analysed.
     pub fn new(case: &Case, extent: CheckExtent) -> Result<Self, Error> {
-        if let Err(error) = case.require_model().and_then(|()| case.check_without_contacts()) {
+        if let Err(error) = case.require_model() {
             return Ok(Self::NotMeasurable(format_reason(error)));
         }
         if case.equations.is_some() {
@@ -56,6 +61,9 @@ impl CheckPlan {
             }));
         }
         check_magnitudes(case)?;
+        if let Some(contacts) = &case.material.contacts {
+            return shocks::plan_shocks(case, contacts, extent);
+        }
         if let ModelKind::Solid(_) = case.material.kind {
             let media =
                 solid::plan_media(case, extent).map_err(|error| case.locate_error(error))?;
@@ -77,10 +85,10 @@ impl CheckPlan {
 }
 
 /// Formats the reason why no solver supports a case.
-fn format_reason(error: CaseError) -> String {
+pub(crate) fn format_reason(error: CaseError) -> String {
     match error {
         CaseError::Key { key, found, allowed, .. } => {
-            format!("{key}: {found}; analysis alone ({allowed})")
+            format!("{key}: {found}; {allowed}")
         }
         other => other.to_string(),
     }
@@ -97,7 +105,8 @@ fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
     match all.find(|(_, value)| *value != 0.0 && !MAGNITUDES.contains(&value.abs())) {
         None => Ok(()),
         Some((key, value)) => {
-            let (found, allowed) = (format!("{value:?}"), "0, or a size from 1e-60 to 1e60".into());
+            let (found, allowed) =
+                (format_exact(value), "expected 0 or a magnitude from 1e-60 to 1e60".into());
             Err(case.locate_error(InputError {
                 input: key,
                 rejected_value: found,
@@ -116,7 +125,9 @@ pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Err
         }
         AgreementError::Cancelled => return Error::Cancelled,
         AgreementError::TooManyCellUpdates { max_updates: most, .. } => {
-            let allowed = format!("at most {most:.0e}: a greater wave number, or fewer cells");
+            let allowed = format!(
+                "expected at most {most:.0e} cell-updates: give a greater wave number, or fewer cells"
+            );
             return material
                 .locate_error(InputError {
                     input: "check.numbers",
@@ -125,28 +136,35 @@ pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Err
                 })
                 .into();
         }
-        AgreementError::IndefiniteEnergy => {
-            ("model", "moduli, and conditions that hold independently of each other")
-        }
+        AgreementError::IndefiniteEnergy => (
+            "model",
+            "expected moduli of a positive energy, and active conditions independent of each other",
+        ),
         AgreementError::UnattainableConditions => {
-            ("yield", "positive strengths, or a section [stress] that decides")
+            ("yield", "expected positive strengths, or a section [stress] in place of yield.active")
         }
-        AgreementError::NonPositiveMultiplier => ("yield", "conditions that flow together"),
+        AgreementError::NonPositiveMultiplier => (
+            "yield",
+            "expected conditions that can be active together: leave one out of yield.active",
+        ),
         AgreementError::SingularEquations
         | AgreementError::Flow(_)
         | AgreementError::SolverStopped(_) => {
-            ("background", "a state further from the border of the fully deforming region")
+            ("background", "expected a state further from the border of the fully deforming region")
         }
         AgreementError::Bloch(_) | AgreementError::NotLinear(_) => {
-            ("joint", "layers and blocks for which the analysis finds waves")
+            ("joint", "expected layers and blocks for which the analysis finds waves")
         }
-        AgreementError::NoVelocity => {
-            ("initial", "noise of v, say, up to the greatest mode number of the finest")
-        }
+        AgreementError::NoVelocity => (
+            "initial",
+            "expected a perturbation of the velocity, such as noise of v up to the largest mode number of the finest grid",
+        ),
         // The following errors cannot be caused by a case file.
-        AgreementError::DimensionMismatch { .. } => ("model.dimensions", "the same for both"),
-        AgreementError::NoGrids => ("check.cells", "at least one grid"),
-        AgreementError::PointCount { .. } => ("initial", "a value at each point"),
+        AgreementError::DimensionMismatch { .. } => {
+            ("model.dimensions", "expected the same for both")
+        }
+        AgreementError::NoGrids => ("check.cells", "expected at least one grid"),
+        AgreementError::PointCount { .. } => ("initial", "expected a value at each point"),
     };
     material
         .locate_error(InputError {

@@ -6,6 +6,7 @@ use crate::setup;
 use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
 use models::InputError;
+use models::common::decimal::format_exact;
 
 /// Medium of a solid and the waves to be measured in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +59,9 @@ pub(super) fn plan_media(
         if let Some(plastic) = solid.plastic_state.filter(|plastic| plastic.multiplier_rate > 0.0) {
             return Ok(Err(InputError {
                 input: "yield.plastic_rate",
-                rejected_value: format!("{:?}", plastic.multiplier_rate),
-                allowed_values: "waves are sent through backgrounds at rest: 0".to_owned(),
+                rejected_value: format_exact(plastic.multiplier_rate),
+                allowed_values: "expected 0: the solver sends waves through backgrounds at rest"
+                    .to_owned(),
             }));
         }
     }

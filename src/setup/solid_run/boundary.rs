@@ -118,7 +118,8 @@ impl GridConverter<'_> {
             }
         }
         let found = format!("{} does not act on {}", load.component, load.face.name());
-        let allowed = "a velocity or spin of the side, or a stress whose second index is its axis";
+        let allowed =
+            "expected a velocity or spin of the side, or a stress whose second index is its axis";
         Err(self.solid_run.key_error(&format!("load[{index}].field"), found, allowed).into())
     }
 
@@ -170,11 +171,23 @@ impl GridConverter<'_> {
     pub(super) fn create_load(&self, index: usize, load: &FaceLoad) -> Result<Load, Error> {
         let (pair, _) = self.find_driven_pair(index, load)?;
         let time = load.time_function.clone();
+        let mut faces = self.compute_loaded_faces(index, load)?;
+        let grid = &self.solid_run.grid;
+        if grid.is_polar() {
+            // The fields of the solver are √r times the physical ones.
+            for (face, amplitude) in &mut faces {
+                let radius = match load.face.axis {
+                    1 => grid.axis_bounds(1)[usize::from(load.face.is_upper)],
+                    _ => grid.cell_centre(1, *face),
+                };
+                *amplitude *= radius.sqrt();
+            }
+        }
         Ok(Load {
             axis: load.face.axis,
             end: usize::from(load.face.is_upper),
             pair,
-            faces: self.compute_loaded_faces(index, load)?,
+            faces,
             signal: Arc::new(move |t| time.evaluate(t)),
         })
     }

@@ -9,8 +9,11 @@ use crate::case::dynamics::{InitialStateTerm, PulseCentre, RegionShape, SolidRun
 use crate::case::{Case, Material, WaveNumbers};
 use crate::setup::solid::{create_elastic_law_and_set, wave_normal};
 use analysis::waves::plane_waves;
+use dynamics::contact_law::ContactLaw;
 use dynamics::initial::normalise_velocity;
+use dynamics::medium::Medium;
 use models::common::elementary::{Elementary, cr_cis};
+use models::rheology::relaxation::SymmetricTensor;
 use models::solid::waves::SolidField;
 use num_complex::Complex64;
 
@@ -41,12 +44,12 @@ impl FieldSums<'_> {
 }
 
 impl GridConverter<'_> {
-    /// Returns the initial fields that are set, with their values by cell; `media` is the number of media, `range` that of
-    /// the values.
+    /// Returns the initial fields that are set, with their values by cell, for these media; `range` is that of the
+    /// values.
     pub(super) fn create_initial_fields<const D: usize>(
         &self,
         case: &Case,
-        media: usize,
+        media: &[Medium],
         range: &WaveRange,
     ) -> Result<Vec<(SolidField, Vec<f64>)>, Error> {
         let mut sums =
@@ -88,6 +91,10 @@ impl GridConverter<'_> {
                         sums.add_field(spin, |x| inside(x, *rate));
                     }
                 }
+                InitialStateTerm::Loosening { shape, extension, axis } => {
+                    let key = format!("initial[{index}]");
+                    self.add_loosening::<D>(&mut sums, media, shape, (*extension, *axis), &key)?;
+                }
                 InitialStateTerm::PlanePulse(pulse) => {
                     let of_cell = self.solid_run.compute_cell_media()?;
                     let key = format!("initial[{index}]");
@@ -107,7 +114,7 @@ impl GridConverter<'_> {
                     amplitude,
                 } => {
                     let key = format!("initial[{index}]");
-                    if media > 1 {
+                    if media.len() > 1 {
                         let found = "a plane wave in several media";
                         let allowed = "one medium: leave the regions out";
                         return Err(self.solid_run.key_error(&key, found, allowed).into());
@@ -163,6 +170,57 @@ impl GridConverter<'_> {
         Ok(())
     }
 
+    /// Adds the excess stress C:ε of contacts that are open by the strain ε inside `shape`: an extension along an axis, or
+    /// along all axes.
+    fn add_loosening<const D: usize>(
+        &self,
+        sums: &mut FieldSums,
+        media: &[Medium],
+        shape: &RegionShape,
+        (extension, axis): (f64, Option<usize>),
+        key: &str,
+    ) -> Result<(), Error> {
+        let of_cell = self.solid_run.compute_cell_media()?;
+        let strain: [f64; 3] =
+            std::array::from_fn(
+                |i| {
+                    if axis.map_or(i < D, |own| own == i) { extension } else { 0.0 }
+                },
+            );
+        let mut excess = Vec::new();
+        for medium in media {
+            let Some(ContactLaw::Granular { law, closed, .. }) = medium.contact else {
+                excess.push([0.0; 3]);
+                continue;
+            };
+            let trace: f64 = strain.iter().sum();
+            let normal = strain.map(|own| closed.lambda * trace + 2.0 * closed.mu * own);
+            let tensor = SymmetricTensor::<f64, 1> { normal, shear: [0.0] };
+            if law.complete_step(SymmetricTensor::ZERO, tensor).stress != SymmetricTensor::ZERO {
+                let found = "an extension that causes stresses, as the friction is so large";
+                let allowed = "an extension along all axes, or friction ≤ √(3c²/2)";
+                return Err(self.solid_run.key_error(key, found, allowed).into());
+            }
+            excess.push(normal);
+        }
+        let mut has_granular_cell = false;
+        for i in 0..3 {
+            let by_medium: Vec<f64> = excess.iter().map(|own| own[i]).collect();
+            let mut values = of_cell.iter().map(|medium| by_medium[usize::from(*medium)]);
+            sums.add_field(SolidField::ExcessStress(i, i), |x| {
+                let value = values.next().filter(|_| shape.contains(x)).unwrap_or(0.0);
+                has_granular_cell |= value != 0.0;
+                value
+            });
+        }
+        if !has_granular_cell {
+            let found = "a shape without cells of a granular medium";
+            let allowed = "a shape that contains centres of such cells";
+            return Err(self.solid_run.key_error(key, found, allowed).into());
+        }
+        Ok(())
+    }
+
     /// Returns the antisymmetric modulus α of each medium, Pa.
     fn compute_antisymmetric_moduli(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Material| -> Result<f64, Error> {
@@ -214,7 +272,7 @@ impl GridConverter<'_> {
         let density = self.first_medium.inertia(SolidField::Velocity(0));
         normalise_velocity(found, density).ok_or_else(|| {
             let found = "a branch that moves nothing but spins";
-            let allowed = "a wave whose velocity can have an amplitude: another branch";
+            let allowed = "expected a wave whose velocity can have an amplitude: another branch";
             self.solid_run.key_error(&format!("{key}.branch"), found, allowed).into()
         })
     }

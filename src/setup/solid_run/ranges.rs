@@ -367,7 +367,9 @@ pub(super) fn check_amplitudes(range: &WaveRange) -> Result<(), CaseError> {
             InitialStateTerm::PlanePulse(PlanePulseInput { amplitude, waveform, .. }) => {
                 (SolidField::Velocity(0), *amplitude, Some(waveform))
             }
-            InitialStateTerm::Rotation { .. } | InitialStateTerm::RigidRotation { .. } => continue,
+            InitialStateTerm::Rotation { .. }
+            | InitialStateTerm::RigidRotation { .. }
+            | InitialStateTerm::Loosening { .. } => continue,
         };
         let entry = format!("initial[{index}]");
         range.check_drive(&Drive { entry, field, amplitude, profile: None, time_function })?;

@@ -87,7 +87,8 @@ fn check_radius(solid_run: &SolidRun, axes: &[usize], radius: f64, key: &str) ->
         return Ok(());
     }
     let found = format!("found {radius:?}, over {places:.1e} cells");
-    let allowed = format!("at most {widest:?}, twice the grid, and {MAX_KERNEL_CELLS:e} cells");
+    let allowed =
+        format!("expected at most {widest:?}, twice the grid, and {MAX_KERNEL_CELLS:e} cells");
     Err(solid_run.key_error(&format!("{key}.radius"), found, allowed).into())
 }
 
@@ -142,7 +143,7 @@ impl GridConverter<'_> {
                     })
                 {
                     let found = "a moment tensor that is not symmetric in a classical solid";
-                    let allowed = "a symmetric one; couples need a solid with spin";
+                    let allowed = "expected a symmetric one; couples need a solid with spin";
                     let key = format!("source[{index}].amplitude");
                     return Err(self.solid_run.key_error(&key, found, allowed).into());
                 }

@@ -1,11 +1,13 @@
-//! Check of a model given as equations: its linearised equations against differences of the equations.
+//! Check of a model given as equations: its linearised equations against differences of the equations,
+//! and its dispersion roots against waves followed in time.
 
 use super::max_with_nan_largest;
 use crate::Error;
 use crate::case::Case;
 use crate::setup;
 use crate::study::{ProgressCallback, report_progress};
-use agreement::equations::{SYMBOL_TOLERANCE, SymbolComparison, compare_symbols};
+use agreement::equations::evolution::{Evolution, ModeEvolution, WaveEvolution};
+use agreement::equations::{SYMBOL_TOLERANCE, WaveComparison, compare_waves};
 use serde::Serialize;
 
 /// Check result of a model given as equations.
@@ -13,16 +15,17 @@ use serde::Serialize;
 pub struct EquationsCheck {
     /// Comparison at each wave.
     #[serde(rename = "rows")]
-    pub wave_checks: Vec<SymbolCheck>,
-    /// Largest relative difference allowed.
+    pub wave_checks: Vec<WaveCheck>,
+    /// Largest relative difference of symbols allowed.
     pub tolerance: f64,
-    /// What was not compared.
-    pub not_measured: &'static str,
+    /// Number of waves that could not be followed in time, since the equations are singular: they do not determine how
+    /// their unknowns evolve.
+    pub singular_count: usize,
 }
 
-/// Comparison of both symbols at one wave.
+/// Comparison of both symbols, and of the evolution in time, at one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SymbolCheck {
+pub struct WaveCheck {
     /// Wave vector, 1/m.
     pub wave_vector: Vec<f64>,
     /// Real and imaginary part of the rate ς at which the symbols are compared, 1/s.
@@ -34,8 +37,75 @@ pub struct SymbolCheck {
     /// Unknown of this entry.
     pub unknown: &'static str,
     /// Whether both symbols agree.
+    #[serde(skip)]
+    pub is_symbol_in_agreement: bool,
+    /// Evolution in time; `None` if the equations are singular, and for waves that were not followed.
+    pub evolution: Option<EvolutionCheck>,
+    /// Whether both symbols, and the evolution in time, agree.
     #[serde(rename = "agrees")]
     pub is_in_agreement: bool,
+}
+
+/// Evolution in time of the waves of one wave vector, compared with the dispersion roots.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EvolutionCheck {
+    /// Modes of simple roots.
+    pub modes: Vec<ModeCheck>,
+    /// Number of finite roots.
+    pub root_count: usize,
+    /// Number of independent solutions in time.
+    pub solution_count: usize,
+    /// Number of times that constraints were differentiated.
+    pub differentiation_count: usize,
+    /// Largest residual of the undifferentiated constraints, relative to the state.
+    pub constraint_residual: f64,
+    /// Largest difference between predicted and measured rates, relative to the largest root.
+    pub max_relative_difference: f64,
+    /// Residual of the recurrence of the roots for a state of all modes, relative to its terms.
+    pub recurrence_error: f64,
+    /// Largest residual of the recurrence allowed.
+    pub recurrence_tolerance: f64,
+}
+
+/// Rate of a mode in time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModeCheck {
+    /// Root of the dispersion relation, Re ς and Im ς, 1/s, in the frame of the background velocity.
+    pub predicted: [f64; 2],
+    /// Rate fitted to the amplitude, 1/s.
+    pub measured: [f64; 2],
+    /// Largest difference allowed, 1/s.
+    #[serde(rename = "rate_tolerance")]
+    pub tolerance: f64,
+    /// Whether both agree.
+    #[serde(rename = "agrees")]
+    pub is_in_agreement: bool,
+}
+
+impl From<&ModeEvolution> for ModeCheck {
+    fn from(own: &ModeEvolution) -> Self {
+        Self {
+            predicted: [own.predicted.re, own.predicted.im],
+            measured: [own.measured.re, own.measured.im],
+            tolerance: own.tolerance,
+            is_in_agreement: own.is_within_tolerance(),
+        }
+    }
+}
+
+impl From<&WaveEvolution> for EvolutionCheck {
+    fn from(own: &WaveEvolution) -> Self {
+        Self {
+            modes: own.modes.iter().map(ModeCheck::from).collect(),
+            root_count: own.root_count,
+            solution_count: own.solution_count,
+            differentiation_count: own.differentiation_count,
+            constraint_residual: own.constraint_residual,
+            max_relative_difference: own.max_relative_difference(),
+            recurrence_error: own.recurrence_error,
+            recurrence_tolerance: own.recurrence_tolerance(),
+        }
+    }
 }
 
 /// Compares the linearised equations of a case with differences of the equations at `wave_count` waves.
@@ -48,21 +118,31 @@ pub(super) fn check_equations(
     let model = &equations.model;
     let mut state = equations.state(&case.material.numbers);
     let wave_number = case.material.numbers.wave.wave_number;
-    let found = compare_symbols(model, &mut state, wave_number, wave_count)
+    let found = compare_waves(model, &mut state, wave_number, wave_count)
         .map_err(|error| setup::locate_map_point_error(case, error))?;
     report_progress(on_progress, 1, 1)?;
-    let to_check = |own: SymbolComparison| SymbolCheck {
-        is_in_agreement: own.is_within_tolerance(),
-        rate: [own.rate.re, own.rate.im],
-        error: own.error,
-        equation: model.equations()[own.worst_entry.0],
-        unknown: model.unknowns()[own.worst_entry.1].name,
-        wave_vector: own.wave_vector,
+    let singular_count = found.iter().filter(|own| own.evolution == Evolution::Singular).count();
+    let to_check = |WaveComparison { symbol, evolution }: WaveComparison| {
+        let followed = match &evolution {
+            Evolution::Followed(own) => Some(own),
+            Evolution::Singular | Evolution::NotFollowed => None,
+        };
+        WaveCheck {
+            is_symbol_in_agreement: symbol.is_within_tolerance(),
+            is_in_agreement: symbol.is_within_tolerance()
+                && followed.is_none_or(WaveEvolution::is_in_agreement),
+            rate: [symbol.rate.re, symbol.rate.im],
+            error: symbol.error,
+            equation: model.equations()[symbol.worst_entry.0],
+            unknown: model.unknowns()[symbol.worst_entry.1].name,
+            wave_vector: symbol.wave_vector,
+            evolution: followed.map(EvolutionCheck::from),
+        }
     };
     Ok(EquationsCheck {
         wave_checks: found.into_iter().map(to_check).collect(),
         tolerance: SYMBOL_TOLERANCE,
-        not_measured: "evolution in time: models given as equations have no solver",
+        singular_count,
     })
 }
 
@@ -77,6 +157,8 @@ impl EquationsCheck {
     }
 
     pub(super) fn max_relative_difference(&self) -> Option<f64> {
-        max_with_nan_largest(self.wave_checks.iter().map(|own| own.error))
+        let evolutions = self.wave_checks.iter().filter_map(|own| own.evolution.as_ref());
+        let rates = evolutions.map(|own| own.max_relative_difference);
+        max_with_nan_largest(self.wave_checks.iter().map(|own| own.error).chain(rates))
     }
 }

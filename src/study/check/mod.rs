@@ -6,6 +6,7 @@ pub mod blocks;
 pub mod equations;
 pub mod flow;
 pub mod refinement;
+pub mod shocks;
 pub mod solid;
 
 pub use crate::setup::check::CheckExtent;
@@ -13,10 +14,11 @@ pub use crate::setup::check::CheckExtent;
 use super::ProgressCallback;
 use crate::Error;
 use crate::case::Case;
-use crate::setup::check::CheckPlan;
+use crate::setup::check::{CheckPlan, format_reason};
 use equations::EquationsCheck;
 use flow::FlowCheck;
 use serde::Serialize;
+use shocks::ShockCheck;
 use solid::SolidCheck;
 
 /// Result of comparing the measured waves of a case with the predicted ones.
@@ -44,6 +46,8 @@ pub enum CheckOutcome {
     Flow(FlowCheck),
     /// Check results of a model given as equations.
     Equations(EquationsCheck),
+    /// Check results of plane waves in a granular or porous medium.
+    Shocks(ShockCheck),
     /// Nothing is measured, since no solver supports the case.
     NotMeasurable {
         /// Reason why no solver supports the case.
@@ -99,6 +103,10 @@ pub fn check_agreement(
             let found = equations::check_equations(case, wave_count, on_progress)?;
             (Some(found.is_in_agreement()), CheckOutcome::Equations(found))
         }
+        CheckPlan::Shocks(plan) => match shocks::check_shocks(case, &plan, on_progress)? {
+            Ok(found) => (found.is_in_agreement(), CheckOutcome::Shocks(found)),
+            Err(error) => (None, CheckOutcome::NotMeasurable { reason: format_reason(error) }),
+        },
         CheckPlan::NotMeasurable(reason) => (None, CheckOutcome::NotMeasurable { reason }),
     };
     Ok(CheckResult { medium_title: case.medium().title(), is_in_agreement, outcome })
@@ -106,21 +114,23 @@ pub fn check_agreement(
 
 impl CheckResult {
     /// Returns the number of checked items and the number of those that disagree. Items are branches and band gaps of a
-    /// solid and its blocks, or modes and grid refinements of a flow.
+    /// solid and its blocks, modes and grid refinements of a flow, or quantities of plane waves.
     pub fn item_and_failure_counts(&self) -> [usize; 2] {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => [0, 0],
             CheckOutcome::Equations(own) => own.item_and_failure_counts(),
             CheckOutcome::Flow(own) => own.item_and_failure_counts(),
+            CheckOutcome::Shocks(own) => own.item_and_failure_counts(),
             CheckOutcome::Solid(own) => own.item_and_failure_counts(),
         }
     }
 
-    /// Returns the number of branches of a solid, or modes of a flow, without measurement.
+    /// Returns the number of branches of a solid, modes of a flow, or quantities of plane waves without measurement.
     pub fn unmeasured_count(&self) -> usize {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } | CheckOutcome::Equations(_) => 0,
             CheckOutcome::Flow(own) => own.unmeasured_count(),
+            CheckOutcome::Shocks(own) => own.unmeasured_count(),
             CheckOutcome::Solid(own) => {
                 let media: usize = own.medium_checks.iter().map(|own| own.unmeasured_count()).sum();
                 media
@@ -133,13 +143,14 @@ impl CheckResult {
         }
     }
 
-    /// Returns the largest relative difference between measured and predicted rates of branches or modes; `None`
-    /// without measurement.
+    /// Returns the largest relative difference between measured and predicted rates of branches or modes, or quantities
+    /// of plane waves; `None` without measurement.
     pub fn max_relative_difference(&self) -> Option<f64> {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => None,
             CheckOutcome::Equations(own) => own.max_relative_difference(),
             CheckOutcome::Flow(own) => own.max_relative_difference(),
+            CheckOutcome::Shocks(own) => own.max_relative_difference(),
             CheckOutcome::Solid(own) => {
                 let media = own.medium_checks.iter().flat_map(|own| own.relative_differences());
                 max_with_nan_largest(media.chain(

@@ -3,6 +3,7 @@
 use crate::case::CaseError;
 use crate::case::dynamics::{PlacedBlock, SolidGrid, SolidRun};
 use crate::study::simulate::OutputFields;
+use models::common::decimal::format_rounded;
 use std::ops::Range;
 
 /// Largest distance of the edge of an averaging area from a face between cells, relative to a cell.
@@ -59,15 +60,16 @@ impl AveragingAreas {
         let Some(found) = found else {
             let key = if other.blocks.is_some() { "block[0].cells" } else { "grid.cells" };
             let spacing = format!(
-                "found cells of {:?} × {:?} m",
-                other.grid.spacing[0], other.grid.spacing[1]
+                "found cells of {} × {} m",
+                format_rounded(other.grid.spacing[0]),
+                format_rounded(other.grid.spacing[1])
             );
             let [[left, right], [bottom, top]] = bounds[0];
             let allowed = format!(
-                "a whole number of cells along both axes of each {} of {:?} × {:?} m of the other run",
+                "expected a whole number of cells along both axes of each {} of {} × {} m of the other run",
                 if blocky.is_some() { "block" } else { "cell" },
-                right - left,
-                top - bottom,
+                format_rounded(right - left),
+                format_rounded(top - bottom),
             );
             return Err(other.key_error(key, spacing, allowed));
         };
@@ -267,7 +269,12 @@ mod tests {
 
     #[test]
     fn areas_are_aligned_with_cells_or_refused() {
-        let grid = SolidGrid { cells: vec![10, 4], spacing: vec![0.1; 2], origin: vec![-0.5, 0.0] };
+        let grid = SolidGrid {
+            cells: vec![10, 4],
+            spacing: vec![0.1; 2],
+            origin: vec![-0.5, 0.0],
+            polar_bounds: None,
+        };
         let align = |area| align_with_cells(&grid, &area);
         assert_eq!(align([[-0.3, 0.1], [0.0, 0.2]]), Some([2..6, 0..2]));
         assert_eq!(align([[-0.25, 0.1], [0.0, 0.2]]), None);

@@ -142,8 +142,12 @@ mod tests {
     /// Verifies that window means of a linear field are its values at the centre of the window, clipped at the boundary.
     #[test]
     fn window_means_of_a_linear_field_are_exact() {
-        let grid =
-            SolidGrid { cells: vec![10, 6], spacing: vec![0.1, 0.2], origin: vec![-0.5, 1.0] };
+        let grid = SolidGrid {
+            cells: vec![10, 6],
+            spacing: vec![0.1, 0.2],
+            origin: vec![-0.5, 1.0],
+            polar_bounds: None,
+        };
         let values: Vec<f64> = (0..60)
             .map(|cell| 2.0 * grid.cell_centre(0, cell % 10) - 3.0 * grid.cell_centre(1, cell / 10))
             .collect();

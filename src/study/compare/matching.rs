@@ -2,6 +2,8 @@
 
 use crate::case::dynamics::{FaceLoad, InitialStateTerm, SolidRun, StateComponent};
 use crate::case::{Case, CaseError, TimeDomainRun};
+use crate::study::format::format_count;
+use models::common::decimal::format_distinct;
 use models::solid::waves::SolidField;
 
 /// Largest difference of coordinates and times, relative to the extent and the duration.
@@ -17,8 +19,9 @@ pub(super) fn match_cases(cases: [&Case; 2]) -> Result<[&SolidRun; 2], CaseError
     check_extent(runs)?;
     let [first, second] = runs.map(|run| run.time.duration);
     if !is_close(first, second, first) {
-        let allowed = format!("{first:?} s as in the first run");
-        return Err(runs[1].key_error("time.duration", format!("found {second:?} s"), allowed));
+        let [first, second] = format_distinct([first, second]);
+        let allowed = format!("expected {first} s, as in the first run");
+        return Err(runs[1].key_error("time.duration", format!("found {second} s"), allowed));
     }
     let lists = [
         ("load", runs.map(format_loads)),
@@ -33,8 +36,10 @@ pub(super) fn match_cases(cases: [&Case; 2]) -> Result<[&SolidRun; 2], CaseError
     }
     let [first, second] = runs.map(|run| run.output.snapshot_interval);
     if !is_close(first, second, first) {
-        let allowed = format!("{first:?} s as in the first run: run both cases with the same one");
-        let found = format!("found {second:?} s");
+        let [first, second] = format_distinct([first, second]);
+        let allowed =
+            format!("expected {first} s, as in the first run: run both cases with the same one");
+        let found = format!("found {second} s");
         return Err(runs[1].key_error("output.snapshot_interval", found, allowed));
     }
     Ok(runs)
@@ -43,13 +48,17 @@ pub(super) fn match_cases(cases: [&Case; 2]) -> Result<[&SolidRun; 2], CaseError
 /// Returns the simulation of a solid in plane strain.
 fn plane_run(case: &Case) -> Result<&SolidRun, CaseError> {
     match case.time_domain_run()? {
+        TimeDomainRun::Solid(run) if run.grid.is_polar() => {
+            let allowed = "a rectangular grid: runs on such grids can be compared";
+            Err(run.key_error("grid.inner_radius", "found a polar grid", allowed))
+        }
         TimeDomainRun::Solid(run) if run.grid.dimensions() == 2 => Ok(run),
         TimeDomainRun::Solid(run) => {
-            let allowed = "two axes: runs of solids in plane strain can be compared";
+            let allowed = "expected two axes: only runs of solids in plane strain can be compared";
             Err(run.key_error("grid.cells", "found three axes", allowed))
         }
         TimeDomainRun::Flow(run) => {
-            let allowed = "a solid: runs of solids in plane strain can be compared";
+            let allowed = "expected a solid: only runs of solids in plane strain can be compared";
             Err(run.key_error(
                 "model.kind",
                 format!("found {}", case.material.kind.name()),
@@ -65,9 +74,10 @@ fn check_extent(runs: [&SolidRun; 2]) -> Result<(), CaseError> {
         let extent = first[1] - first[0];
         if !(0..2).all(|end| is_close(first[end], second[end], extent)) {
             let key = if runs[1].blocks.is_some() { "block" } else { "grid.origin" };
-            let describe = |[from, to]: [f64; 2]| format!("{from:?} to {to:?} m");
-            let found = format!("found x{} from {}", axis + 1, describe(second));
-            let allowed = format!("from {} as in the first run", describe(first));
+            let [starts, ends] = [0, 1].map(|end| format_distinct([first[end], second[end]]));
+            let describe = |run: usize| format!("from {} to {} m", starts[run], ends[run]);
+            let found = format!("found x{} {}", axis + 1, describe(1));
+            let allowed = format!("expected x{} {}, as in the first run", axis + 1, describe(0));
             return Err(runs[1].key_error(key, found, allowed));
         }
     }
@@ -82,15 +92,16 @@ fn check_equal_lists(
     second: &[String],
 ) -> Result<(), CaseError> {
     if first.len() != second.len() {
-        let found = format!("found {} sections [[{section}]]", second.len());
-        let allowed = format!("{} as in the first run", first.len());
+        let found = format!("found {} of [[{section}]]", format_count(second.len(), "section"));
+        let allowed = format!("expected {}, as in the first run", first.len());
         return Err(run.key_error(section, found, allowed));
     }
     match first.iter().zip(second).position(|(first, second)| first != second) {
         None => Ok(()),
         Some(index) => {
             let path = format!("{section}[{index}]");
-            let allowed = "the section of the first run: runs of the same load can be compared";
+            let allowed =
+                "expected the section of the first run: only runs of the same load can be compared";
             Err(run.key_error(&path, "found other values than in the first run", allowed))
         }
     }

@@ -14,8 +14,10 @@ pub use fronts::{FRONT_SHARE, FrontRays, RAY_DIRECTIONS_DEG};
 use crate::Error;
 use crate::case::dynamics::SolidRun;
 use crate::case::{Case, CaseError};
+use crate::study::format::format_count;
 use crate::study::simulate::{OutputFields, RecordTable, RunResult};
 use averages::AveragingAreas;
+use models::common::decimal::format_distinct;
 use serde::Serialize;
 
 /// Columns of the energy ledger that are dissipated energies: of yielding solids and of joints.
@@ -159,8 +161,10 @@ impl<'a> Comparison<'a> {
     pub fn add_snapshot(&mut self, fields: [&OutputFields; 2]) -> Result<(), Error> {
         let [first, second] = fields.map(|own| own.time);
         if (first - second).abs() > 1e-6 * self.runs[0].time.duration {
-            let found = format!("found a snapshot at {second:?} s");
-            let allowed = format!("{first:?} s as in the first run: both must reach their end");
+            let [first, second] = format_distinct([first, second]);
+            let found = format!("found a snapshot at {second} s");
+            let allowed =
+                format!("expected {first} s, as in the first run: both must reach their end");
             return Err(self.runs[1].key_error("time.duration", found, allowed).into());
         }
         let means = [0, 1].map(|run| BlockMeans::new(&self.areas, run, fields[run]));
@@ -306,8 +310,8 @@ pub fn compare_runs(
 impl Comparison<'_> {
     /// Creates the error that the runs have different numbers of snapshots.
     pub fn snapshot_count_error(&self, [first, second]: [usize; 2]) -> CaseError {
-        let found = format!("found {second} snapshots");
-        let allowed = format!("{first} as in the first run: both must reach their end");
+        let found = format!("found {}", format_count(second, "snapshot"));
+        let allowed = format!("expected {first}, as in the first run: both must reach their end");
         self.runs[1].key_error("time.duration", found, allowed)
     }
 }

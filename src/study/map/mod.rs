@@ -116,7 +116,7 @@ fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
         .locate_error(InputError {
             input: "map.x.points",
             rejected_value: found,
-            allowed_values: "fewer points".into(),
+            allowed_values: "expected fewer points".into(),
         })
         .into())
 }

@@ -307,8 +307,8 @@ impl<'a> PointAssessor<'a> {
             }
         }
         if options.computes_bound {
-            let supremum = workspace.locate_supremum(model, &found);
-            point.growth_bound = supremum.map_or(f64::NAN, |supremum| supremum.growth_rate);
+            let supremum = workspace.locate_supremum(model, &found)?;
+            point.growth_bound = supremum.map_or(f64::NAN, |(supremum, _)| supremum.growth_rate);
         }
         point.set_verdict(found.assessment.verdict, Route::ModelBlind);
         match found.direction.as_deref() {

@@ -6,15 +6,17 @@ use crate::Error;
 use crate::case::{Case, degrees_to_radians, derivative_name};
 use crate::setup;
 use crate::study::{ProgressCallback, report_progress};
-use analysis::bound;
+use analysis::bound::{self, Supremum};
 use analysis::equations::EquationsWorkspace;
 use analysis::growth::{Assessment, Verdict};
 use analysis::pencil::PencilRoots;
 use analysis::space::PLANE_STEP_DEG;
 use models::Rounded;
+use models::common::elementary::Elementary;
 use models::common::system::{LinearisedSystem, RoundedMatrix};
 use models::equations::{JetVariable, TextModel, TextState, TextWorkspace};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// Analysis of one state of a model given as equations.
 #[derive(Clone, Debug, Serialize)]
@@ -39,13 +41,16 @@ pub struct EquationsAnalysis {
     pub direction: Option<Vec<f64>>,
     /// Angle between the planes of wave vectors that were searched in three dimensions, degrees; `None` in fewer.
     pub resolution_deg: Option<f64>,
-    /// Supremum of the growth rate Re ς over all waves, 1/s; in three dimensions over those in the plane that decides;
-    /// `None` unless well-posed.
+    /// Supremum of the growth rate Re ς over all waves, 1/s; `None` unless well-posed.
     #[serde(rename = "bound")]
     pub growth_bound: Option<f64>,
-    /// Wave vector at which the supremum is attained or approached; in three dimensions with the angle in the plane.
+    /// Wave vector at which the supremum is attained or approached; in three dimensions with the direction of its
+    /// projection on the plane of x₁ and x₂.
     #[serde(rename = "bound_at")]
     pub supremum_location: Option<SupremumLocation>,
+    /// Unit wave vector at which the supremum is attained or approached, one component per dimension; `None` without it.
+    #[serde(rename = "bound_direction")]
+    pub supremum_direction: Option<Vec<f64>>,
     /// Relative tolerance of `growth_bound`; `None` without it.
     pub bound_tolerance: Option<f64>,
     /// Wave vector given in the case.
@@ -167,7 +172,12 @@ pub fn analyse_equations(
     let mut state = equations.state(numbers);
     let found = workspace.assess(model, &mut state).map_err(locate)?;
     report_progress(on_progress, 1, 2)?;
-    let supremum = workspace.locate_supremum(model, &found);
+    let located = workspace.locate_supremum(model, &found).map_err(|error| locate(error.into()))?;
+    let (supremum, supremum_direction) = located.unzip();
+    let supremum = supremum.map(|own| match supremum_direction.as_deref() {
+        Some(&[x, y, _]) => Supremum { direction: y.cr_atan2(x).rem_euclid(PI), ..own },
+        _ => own,
+    });
     let wave = EquationsWave {
         wave_number: numbers.wave.wave_number,
         direction_deg: numbers.wave.direction_deg,
@@ -184,10 +194,11 @@ pub fn analyse_equations(
         PencilRoots::Singular { .. } => (None, None),
     };
     report_progress(on_progress, 2, 2)?;
-    let linearised = match model.dimensions() {
-        3 => list_entries(model, &workspace.space_system),
-        _ => list_entries(model, &workspace.plane.system),
-    };
+    let mut system = LinearisedSystem::default();
+    let linearised = model
+        .linearise(&state, &mut TextWorkspace::default(), &mut system)
+        .map(|()| list_entries(model, &system))
+        .map_err(|error| locate(error.into()))?;
     let residuals = list_residuals(model, &state).map_err(|error| locate(error.into()))?;
     let [growth_order, growth_coefficient] = order_and_coefficient(&found.assessment.verdict);
     let direction_deg = match found.assessment.verdict {
@@ -207,6 +218,7 @@ pub fn analyse_equations(
         resolution_deg: (model.dimensions() == 3).then_some(PLANE_STEP_DEG),
         growth_bound: supremum.map(|own| own.growth_rate),
         supremum_location: supremum.map(SupremumLocation::from),
+        supremum_direction,
         bound_tolerance: supremum.map(|_| bound::SUPREMUM_TOLERANCE),
         wave,
         dispersion_roots,
@@ -249,10 +261,7 @@ fn list_residuals(
     Ok(found.into_iter().zip(model.equations()).map(residual).collect())
 }
 
-fn list_entries<const D: usize>(
-    model: &TextModel,
-    system: &LinearisedSystem<D>,
-) -> LinearisedEquations {
+fn list_entries(model: &TextModel, system: &LinearisedSystem<3>) -> LinearisedEquations {
     let dimensions = model.dimensions();
     let value_of = |row: usize, variable: JetVariable| {
         let at = (row, variable.unknown);
@@ -269,7 +278,7 @@ fn list_entries<const D: usize>(
                 .find(|term| {
                     (term.row, term.column) == at
                         && term.time_power == time
-                        && term.space_powers[..] == space[..D]
+                        && term.space_powers == space
                 })
                 .map_or(Rounded::ZERO, |term| term.coefficient),
         }

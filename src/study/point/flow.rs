@@ -2,7 +2,7 @@
 
 use super::background::FlowStress;
 use super::flow_state::YieldingState;
-use crate::case::{Case, ModelKind, degrees_to_radians};
+use crate::case::{Case, ModelKind, SweepParameter, degrees_to_radians};
 use crate::setup::check::flow::FlowWave;
 use crate::study::{ProgressCallback, report_progress};
 use crate::{Error, setup};
@@ -13,6 +13,8 @@ use analysis::flows::{FlowWorkspace, FrozenState};
 use analysis::growth::Assessment;
 use analysis::pencil::PencilRoots;
 use models::InputError;
+use models::common::decimal::{format_exact, format_rounded};
+use models::common::elementary::Elementary;
 use models::flow::Model;
 use models::flow::state::{Background, DeformingFlow};
 use serde::{Serialize, Serializer};
@@ -185,6 +187,16 @@ impl AnalysisWithWorkspace {
     }
 }
 
+/// Returns the key and the value of the number of the case whose decimal exponent is largest in magnitude.
+fn find_extreme_number(case: &Case) -> (&'static str, f64) {
+    let numbers = SweepParameter::all_parameters()
+        .filter_map(|own| Some((own.key().name, own.value(&case.material.numbers)?)))
+        .filter(|(_, value)| *value != 0.0);
+    let exponent = |value: f64| value.abs().cr_log10().abs();
+    let most = numbers.max_by(|one, other| exponent(one.1).total_cmp(&exponent(other.1)));
+    most.unwrap_or(("wave.number", case.material.numbers.wave.wave_number))
+}
+
 fn analyse_yielding_state(
     case: &Case,
     model: &Model,
@@ -197,20 +209,24 @@ fn analyse_yielding_state(
     let create_range_error = |key, found: f64, allowed: &str| {
         case.locate_error(InputError {
             input: key,
-            rejected_value: format!("{found:?}"),
+            rejected_value: format_exact(found),
             allowed_values: allowed.into(),
         })
     };
     if !pencil.is_singular() && !workspace.is_in_range(wave.wave_number) {
-        let allowed =
-            "a wave number that far from the state's own scale leaves the range of doubles";
-        return Err(create_range_error("wave.number", wave.wave_number, allowed).into());
+        let (key, found) = find_extreme_number(case);
+        let number = format_rounded(wave.wave_number);
+        let allowed = format!(
+            "expected a number of ordinary size: at wave.number = {number} the roots of this state leave the range of \
+             doubles"
+        );
+        return Err(create_range_error(key, found, &allowed).into());
     }
     let roots = pencil.roots(wave.wave_number, degrees_to_radians(wave.direction_deg));
     if let PencilRoots::Regular { finite, .. } = &roots
         && finite.iter().any(|root| !root.is_finite())
     {
-        let allowed = "k·V leaves the range of doubles";
+        let allowed = "expected a velocity for which k·V is in the range of doubles";
         return Err(create_range_error("background.velocity", flow.velocity[0], allowed).into());
     }
     let found = characteristics::characteristics(&workspace.system).ok();

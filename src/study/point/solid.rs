@@ -219,7 +219,8 @@ pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<Solid
             rejected_value: "numbers whose energy or waves at wave.number cannot be computed"
                 .into(),
             allowed_values:
-                "moduli, inertias and wave numbers whose products and quotients are finite".into(),
+                "expected moduli, inertias and wave numbers whose products and quotients are finite"
+                    .into(),
         };
         return Err(case.locate_error(error).into());
     }

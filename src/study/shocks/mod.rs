@@ -38,7 +38,7 @@ pub fn compute_shocks(case: &Case) -> Result<ShocksResult, Error> {
     let diagram = medium.loading_diagram();
     let density = medium.density();
     let piston = match &options.piston {
-        Some(own) => Some(solve_piston(case, &medium, &diagram, own)?),
+        Some(own) => Some(PistonWaves::new(case, &medium, &diagram, own)?.to_result()),
         None => None,
     };
     let spall = match &options.spall {
@@ -114,59 +114,87 @@ fn describe_hyperbolicity(diagram: &UniaxialDiagram, medium: &PlaneWaveMedium) -
     notes
 }
 
-fn solve_piston(
-    case: &Case,
-    medium: &PlaneWaveMedium,
-    diagram: &UniaxialDiagram,
-    own: &Piston,
-) -> Result<PistonResult, CaseError> {
-    let (load, key) = match own.load {
-        PistonLoadValue::Pressure(pressure) => (PistonLoad::Pressure(pressure), "piston.pressure"),
-        PistonLoadValue::Speed(speed) => (PistonLoad::Speed(speed), "piston.speed"),
-    };
-    // Not −0.0, which the report would print.
-    let initial_strain = 0.0 - own.loosening;
-    let solution = PistonSolution::new(diagram, medium.density(), initial_strain, load)
-        .map_err(|error| locate_plane_wave_error(case, key, error))?;
-    let unloading = medium.unloading_diagram(solution.piston.strain);
-    let release = own.duration.map(|duration| Release::new(&solution, &unloading, duration));
-    let release = release
-        .transpose()
-        .map_err(|error| locate_plane_wave_error(case, "piston.duration", error))?;
-    let fastest = solution.waves.first().map_or(1.0, |wave| wave.speed);
-    let time = own.profile_time.unwrap_or_else(|| match &release {
-        // Between the end of the load and the overtaking, or a path of 1 m of the fastest wave.
-        Some(Release { duration, overtaking: Some(own), .. }) => 0.5 * (duration + own.time),
-        Some(release) => 2.0 * release.duration,
-        None => 1.0 / fastest,
-    });
-    let profile = match &release {
-        Some(release) => solution.profile_with_release(release, time),
-        None => Some(solution.profile(time)),
-    };
-    let profile = profile.ok_or_else(|| {
-        let latest = release.as_ref().and_then(|own| own.overtaking).map_or(0.0, |own| own.time);
-        let found = format!("found {time:?}");
-        let allowed = format!(
-            "expected at most {latest:?} s: then the release wave overtakes the last loading wave"
-        );
-        case.plane_wave_error("piston.profile_time", found, allowed)
-    })?;
-    Ok(PistonResult {
-        pressure: solution.piston.pressure,
-        speed: solution.piston.velocity,
-        strain: solution.piston.strain,
-        initial_strain,
-        waves: solution.waves.iter().map(WaveRow::from).collect(),
-        profile_time: time,
-        profile: list_profile_points(&profile, fastest),
-        release: release.as_ref().map(ReleaseResult::from),
-        unloading_diagram: release.is_some().then_some(unloading),
-    })
+/// Waves behind the piston of a case.
+#[derive(Clone, Debug)]
+pub(crate) struct PistonWaves {
+    /// Load.
+    pub(crate) load: PistonLoad,
+    /// Waves of the load.
+    pub(crate) solution: PistonSolution,
+    /// Waves of the end of the load.
+    pub(crate) release: Option<Release>,
+    /// Diagram of unloading from the state at the piston.
+    pub(crate) unloading: UniaxialDiagram,
+    /// Profile at the time of the case, or at one chosen by the program.
+    pub(crate) profile: Profile,
+}
+
+impl PistonWaves {
+    /// Solves for the waves behind a piston.
+    ///
+    /// # Errors
+    /// The load is out of range, or the time of the profile is after waves of the case have met.
+    pub(crate) fn new(
+        case: &Case,
+        medium: &PlaneWaveMedium,
+        diagram: &UniaxialDiagram,
+        own: &Piston,
+    ) -> Result<Self, CaseError> {
+        let (load, key) = match own.load {
+            PistonLoadValue::Pressure(pressure) => {
+                (PistonLoad::Pressure(pressure), "piston.pressure")
+            }
+            PistonLoadValue::Speed(speed) => (PistonLoad::Speed(speed), "piston.speed"),
+        };
+        // Not −0.0, which the report would print.
+        let initial_strain = 0.0 - own.loosening;
+        let solution = PistonSolution::new(diagram, medium.density(), initial_strain, load)
+            .map_err(|error| locate_plane_wave_error(case, key, error))?;
+        let unloading = medium.unloading_diagram(solution.piston.strain);
+        let release = own.duration.map(|duration| Release::new(&solution, &unloading, duration));
+        let release = release
+            .transpose()
+            .map_err(|error| locate_plane_wave_error(case, "piston.duration", error))?;
+        let time = own.profile_time.unwrap_or_else(|| match &release {
+            // Between the end of the load and the overtaking, or a path of 1 m of the fastest wave.
+            Some(Release { duration, overtaking: Some(own), .. }) => 0.5 * (duration + own.time),
+            Some(release) => 2.0 * release.duration,
+            None => 1.0 / solution.fastest_speed(),
+        });
+        let profile = match &release {
+            Some(release) => solution.profile_with_release(release, time),
+            None => Some(solution.profile(time)),
+        };
+        let profile = profile.ok_or_else(|| {
+            let latest =
+                release.as_ref().and_then(|own| own.overtaking).map_or(0.0, |own| own.time);
+            let found = format!("found {time:?}");
+            let allowed = format!(
+                "expected at most {latest:?} s: then the release wave overtakes the last loading wave"
+            );
+            case.plane_wave_error("piston.profile_time", found, allowed)
+        })?;
+        Ok(Self { load, solution, release, unloading, profile })
+    }
+
+    fn to_result(&self) -> PistonResult {
+        let Self { solution, release, profile, .. } = self;
+        PistonResult {
+            pressure: solution.piston.pressure,
+            speed: solution.piston.velocity,
+            strain: solution.piston.strain,
+            initial_strain: solution.initial.strain,
+            waves: solution.waves.iter().map(WaveRow::from).collect(),
+            profile_time: profile.time,
+            profile: list_profile_points(profile, solution.fastest_speed()),
+            release: release.as_ref().map(ReleaseResult::from),
+            unloading_diagram: release.is_some().then(|| self.unloading.clone()),
+        }
+    }
 }
 
 /// Lists the ends of the pieces of a profile; the last piece is cut at a fifth beyond the fastest wave.
-fn list_profile_points(profile: &Profile, fastest: f64) -> Vec<ProfilePoint> {
+pub(crate) fn list_profile_points(profile: &Profile, fastest: f64) -> Vec<ProfilePoint> {
     let end = 1.2 * fastest * profile.time;
     let pieces = profile.pieces.iter();
     let points = |piece: &ProfilePiece| {
@@ -175,12 +203,16 @@ fn list_profile_points(profile: &Profile, fastest: f64) -> Vec<ProfilePoint> {
     pieces.flat_map(points).collect()
 }
 
-fn solve_spall(
+/// Creates the exact reflection of the pulse of a case at a free end.
+///
+/// # Errors
+/// The medium transmits tension, or the pulse is out of range.
+pub(crate) fn create_spall(
     case: &Case,
     medium: &PlaneWaveMedium,
     diagram: &UniaxialDiagram,
     own: &SpallPulse,
-) -> Result<SpallResult, CaseError> {
+) -> Result<Spall, CaseError> {
     if let PlaneWaveMedium::Granular(medium) = medium
         && medium.transmits_tension()
     {
@@ -207,12 +239,22 @@ fn solve_spall(
         );
         return Err(case.plane_wave_error("spall.speed", found, allowed));
     }
+    Ok(spall)
+}
+
+fn solve_spall(
+    case: &Case,
+    medium: &PlaneWaveMedium,
+    diagram: &UniaxialDiagram,
+    own: &SpallPulse,
+) -> Result<SpallResult, CaseError> {
+    let spall = create_spall(case, medium, diagram, own)?;
     let time = own.profile_time.unwrap_or(own.duration);
     let (c, thickness) = (spall.sound_speed(), spall.thickness());
     // A profile before the layer has formed, and one at the time of the case.
     let mut times = vec![0.25 * own.duration, time];
     times.dedup();
-    let profiles = times.into_iter().map(|time| (time, list_spall_points(&spall, own, time)));
+    let profiles = times.into_iter().map(|time| (time, list_spall_points(&spall, time)));
     Ok(SpallResult {
         shape: own.shape.name(),
         pulse_velocity: own.speed,
@@ -228,9 +270,9 @@ fn solve_spall(
 }
 
 /// Lists both sides of every front of a profile, and points between for the triangle.
-fn list_spall_points(spall: &Spall, own: &SpallPulse, time: f64) -> Vec<ProfilePoint> {
+pub(crate) fn list_spall_points(spall: &Spall, time: f64) -> Vec<ProfilePoint> {
     let (c, thickness) = (spall.sound_speed(), spall.thickness());
-    let mut positions: Vec<f64> = [0.0, c * time, thickness, c * (own.duration - time)]
+    let mut positions: Vec<f64> = [0.0, c * time, thickness, c * (spall.duration() - time)]
         .into_iter()
         .filter(|position| *position >= 0.0 && *position <= 2.0 * thickness)
         .flat_map(|position| [position * (1.0 - 1e-12), position * (1.0 + 1e-12)])

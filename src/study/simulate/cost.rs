@@ -131,7 +131,7 @@ impl Cost {
         self.find_excess().map_or(
             Ok(()),
             |CostExcess { key, estimated_amount: found, largest_amount: allowed }| {
-                let allowed = format!("at most {allowed}; --force runs it all the same");
+                let allowed = format!("expected at most {allowed}; --force runs it all the same");
                 Err(located(key, format!("found {found}"), allowed).into())
             },
         )

@@ -156,7 +156,7 @@ impl SimulationJob for FlowJob<'_> {
             .map_err(|error| case.key_error("grid", error.to_string(), "see docs/case-file.md"))?;
         // Creates the error that the initial perturbation itself leaves the domain of the solver.
         let create_domain_exit_error = |left: LeftDomain| {
-            let allowed = "a smaller perturbation, which leaves the flow deforming";
+            let allowed = "expected a smaller perturbation, which leaves the flow deforming";
             case.key_error("initial", StopCause::from(&left).to_string(), allowed)
         };
         if !recorder.is_resumed() {

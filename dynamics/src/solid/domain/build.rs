@@ -138,7 +138,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (problem.step, reflects),
             (initial_stress, whole),
         );
-        law.contacts = LaneContacts::new(problem, &patterns, layout.pitch);
+        let row_sizes = (layout.groups, layout.pitch);
+        law.contacts = LaneContacts::new(problem, &patterns, row_sizes, &layers);
+        if problem.has_field_factors() {
+            law.field_factors = layers.iter().map(|layer| problem.field_factor(*layer)).collect();
+            // The kernel for total stresses has thresholds by lane pattern only.
+            law.uses_scalar_mapping = true;
+        }
         law.curvature_rotations =
             CurvatureRotations::new(problem, &patterns, layout.pitch, &layers);
         let source = |own| CellSource::new(own, fields, &layout, 2 * max_pass_steps);

@@ -21,7 +21,9 @@ impl<T: SolverReal> CellMapping<T> {
     /// Creates the mapping; `None` if the fused solver gives the results of the scalar projection.
     pub(crate) fn new<const D: usize>(problem: &Problem<D>) -> Option<Self> {
         let media = &problem.media;
-        if problem.initial_stress.is_some() || media.iter().all(|own| own.yield_set.is_none()) {
+        let has_overstress = media.iter().any(|own| own.overstress_time.is_some());
+        let is_elastic = media.iter().all(|own| own.yield_set.is_none());
+        if problem.initial_stress.is_some() || is_elastic || has_overstress {
             return None;
         }
         let patterns: Vec<_> =
@@ -33,9 +35,14 @@ impl<T: SolverReal> CellMapping<T> {
         })
     }
 
-    /// Maps the stress in the state of a cell of a medium and returns the plastic dissipation, J/m³; `None` if the
-    /// stress is left to the scalar projection.
-    pub(crate) fn map_cell(&mut self, medium: u16, state: &mut [T]) -> Option<f64> {
+    /// Maps the stress in the state of a cell of a medium, whose fields are `field_factor` times the physical fields, and
+    /// returns the plastic dissipation, J/m³; `None` if the stress is left to the scalar projection.
+    pub(crate) fn map_cell(
+        &mut self,
+        medium: u16,
+        field_factor: T,
+        state: &mut [T],
+    ) -> Option<f64> {
         for (group, value) in self.field_values.iter_mut().zip(state.iter()) {
             *group = T::Lanes::splat(*value);
         }
@@ -45,6 +52,7 @@ impl<T: SolverReal> CellMapping<T> {
             lane_pattern_indices: &[medium.into()],
             yield_sets: &self.yield_sets,
             has_yield_set: &self.has_yield_set,
+            field_factor,
             dissipation: &mut dissipation,
             scalar_lanes: &mut scalar_lanes,
         };

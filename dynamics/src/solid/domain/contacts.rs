@@ -1,15 +1,17 @@
 //! Laws of contacts after each sweep, in lanes; see [`crate::solid::contact_law`]. Constants are by lane pattern.
 
 use super::kernel::contacts::PathContacts;
+use super::layout::RowSegment;
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::contact_faces::{BOUNDARY_HISTORY, ContactConstants};
 use crate::solid::contact_law::{ContactLaw, TensorPlaces};
 use crate::solid::ghosts::BoundaryFaces;
+use crate::solid::medium::Medium;
 use crate::solid::problem::Problem;
-use models::granular_medium::GranularContact;
-use models::porous::{PoreLaw, PoreState};
+use models::granular_medium::{GranularContact, MaxwellStep};
+use models::porous::{PoreConeLaw, PoreLaw, PoreState};
 use models::rheology::relaxation::SymmetricTensor;
 use models::solid::waves::{SolidField, VelocityStressPair};
 use std::ops::Range;
@@ -27,20 +29,34 @@ pub(super) struct LaneContacts<T: Real> {
     stress: TensorPlaces,
     /// Law of granular media, whose fields are the excess stresses.
     granular: LaneLaw<TensorPlaces, GranularContact<T::Lanes>>,
+    /// Law of porous media with contact by cone, whose fields are the excess stresses.
+    cone: LaneLaw<TensorPlaces, PoreConeLaw<T::Lanes>>,
     /// Law of porous media, whose fields are volumetric strain and closure.
     porous: LaneLaw<[usize; 2], PoreLaw<T::Lanes>>,
+    /// By medium, relaxation of viscous particles over a step, whose fields are the excess stresses; empty if no medium
+    /// relaxes.
+    relaxations: Vec<Option<MaxwellStep<T>>>,
+    /// Media of the lanes by pattern.
+    patterns: Vec<Vec<u16>>,
     /// Constants of the faces by axis and pattern.
     faces: Vec<Vec<ContactConstants<T::Lanes>>>,
+    /// Constants of the faces along rows by layer and medium, if cell lengths depend on the layer; else empty. Those of
+    /// `faces` are filled from them for the row that is swept.
+    row_faces: Vec<Vec<ContactConstants<T>>>,
+    /// By group of the rows of all layers, the factor of porosities in sweeps across layers; empty if it is 1.
+    group_factors: Vec<T>,
     /// By axis, index of the longitudinal pair of waves.
     longitudinal: Vec<usize>,
 }
 
 impl<T: Real> LaneContacts<T> {
-    /// Creates the laws; `None` if no medium has contacts. The offset of a field is its index times `pitch`.
+    /// Creates the laws in `layers` of a region of a problem (indices in the whole grid); `None` if no medium has
+    /// contacts. The offset of a field is its index times `pitch`; a row has `groups` groups.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         patterns: &[Vec<u16>],
-        pitch: usize,
+        (groups, pitch): (usize, usize),
+        layers: &[usize],
     ) -> Option<Self> {
         let (media, fields) = (&problem.media, &problem.fields());
         let granular: Vec<_> = media
@@ -54,6 +70,13 @@ impl<T: Real> LaneContacts<T> {
             .iter()
             .map(|medium| match medium.contact {
                 Some(ContactLaw::Porous { law, .. }) => Some(law),
+                _ => None,
+            })
+            .collect();
+        let cone: Vec<_> = media
+            .iter()
+            .map(|medium| match medium.contact {
+                Some(ContactLaw::PorousCone { law, .. }) => Some(law),
                 _ => None,
             })
             .collect();
@@ -77,6 +100,7 @@ impl<T: Real> LaneContacts<T> {
                     impedance_ratio: lanes_of(&|own| own.impedance_ratio),
                     porosity: lanes_of(&|own| own.porosity),
                     strain_per_velocity: lanes_of(&|own| own.strain_per_velocity),
+                    strain_per_stress: lanes_of(&|own| own.strain_per_stress),
                     is_granular: lanes_of(&|own| own.is_granular),
                     excess_compliance: lanes_of(&|own| own.excess_compliance),
                 }
@@ -87,26 +111,50 @@ impl<T: Real> LaneContacts<T> {
             let mut pairs = media[0].pairs[axis].iter();
             pairs.position(VelocityStressPair::is_longitudinal)
         };
+        let relaxation = |medium: &Medium| {
+            let law = medium.contact?.relaxation(problem.step)?;
+            Some(law.map(T::from_f64))
+        };
+        let mut relaxations: Vec<_> = media.iter().map(relaxation).collect();
+        if relaxations.iter().all(Option::is_none) {
+            relaxations.clear();
+        }
+        let group_factors = match problem.has_field_factors() {
+            true => {
+                let factor = |layer: &usize| T::from_f64(problem.field_factor(*layer));
+                layers.iter().flat_map(|layer| vec![factor(layer); groups]).collect()
+            }
+            false => Vec::new(),
+        };
         Some(Self {
+            relaxations,
+            patterns: patterns.to_vec(),
             faces: (0..D).map(face_constants).collect(),
+            row_faces: ContactConstants::by_layer(problem, layers.iter().copied()),
+            group_factors,
             longitudinal: (0..D).map(longitudinal).collect::<Option<_>>()?,
             stress: TensorPlaces::find(fields, SolidField::Stress)?.scaled(pitch),
-            granular: excess.map(|places| {
+            granular: excess.clone().map(|places| {
                 let constants = |pattern: &Vec<u16>, first: GranularContact<f64>| {
                     let law = |lane: usize| granular[usize::from(pattern[lane])].unwrap_or(first);
-                    let lanes = |of: fn(&GranularContact<f64>) -> f64| {
-                        T::Lanes::from_lanes(|lane| T::from_f64(of(&law(lane))))
-                    };
-                    GranularContact {
-                        bulk_modulus: lanes(|own| own.bulk_modulus),
-                        energy_modulus: lanes(|own| own.energy_modulus),
-                        intensity_factor: lanes(|own| own.intensity_factor),
-                        friction: lanes(|own| own.friction),
-                        yield_stress: lanes(|own| own.yield_stress),
-                        corner_pressure: lanes(|own| own.corner_pressure),
-                    }
+                    granular_lanes::<T>(law)
                 };
                 (places.scaled(pitch), by_pattern(patterns, &granular, constants))
+            }),
+            cone: excess.map(|places| {
+                let constants = |pattern: &Vec<u16>, first: PoreConeLaw<f64>| {
+                    let law = |lane: usize| cone[usize::from(pattern[lane])].unwrap_or(first);
+                    let lanes = |of: fn(&PoreConeLaw<f64>) -> f64| {
+                        T::Lanes::from_lanes(|lane| T::from_f64(of(&law(lane))))
+                    };
+                    PoreConeLaw {
+                        contact: granular_lanes::<T>(|lane| law(lane).contact),
+                        bulk_share: lanes(|own| own.bulk_share),
+                        shear_share: lanes(|own| own.shear_share),
+                        offset: lanes(|own| own.offset),
+                    }
+                };
+                (places.scaled(pitch), by_pattern(patterns, &cone, constants))
             }),
             porous: history.map(|places| {
                 let constants = |pattern: &Vec<u16>, first: PoreLaw<f64>| {
@@ -124,6 +172,39 @@ impl<T: Real> LaneContacts<T> {
                 (places, by_pattern(patterns, &porous, constants))
             }),
         })
+    }
+}
+
+/// Returns the constants of granular media by lane.
+fn granular_lanes<T: Real>(
+    law: impl Fn(usize) -> GranularContact<f64>,
+) -> GranularContact<T::Lanes> {
+    let lanes = |of: fn(&GranularContact<f64>) -> f64| {
+        T::Lanes::from_lanes(|lane| T::from_f64(of(&law(lane))))
+    };
+    GranularContact {
+        bulk_modulus: lanes(|own| own.bulk_modulus),
+        energy_modulus: lanes(|own| own.energy_modulus),
+        intensity_factor: lanes(|own| own.intensity_factor),
+        friction: lanes(|own| own.friction),
+        yield_stress: lanes(|own| own.yield_stress),
+        corner_pressure: lanes(|own| own.corner_pressure),
+        compliances: [
+            lanes(|own| own.compliances[0]),
+            lanes(|own| own.compliances[1]),
+            lanes(|own| own.compliances[2]),
+        ],
+    }
+}
+
+impl<T: Real> LaneContacts<T> {
+    /// Fills the constants of the faces along rows for the row of a layer, by the media of the lanes of a pattern.
+    pub(super) fn fill_row_faces(&mut self, layer: usize, pattern: usize, media: &[u16]) {
+        let Some(by_medium) = self.row_faces.get(layer) else { return };
+        let lanes = &mut self.faces[0][pattern];
+        for (lane, medium) in media.iter().enumerate() {
+            ContactConstants::set_lane(lanes, lane, &by_medium[usize::from(*medium)]);
+        }
     }
 }
 
@@ -150,7 +231,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         axis: usize,
         half_step: usize,
     ) -> Option<PathContacts<'_, T>> {
-        let LaneContacts { granular, porous, faces, longitudinal, .. } =
+        let LaneContacts { granular, porous, faces, group_factors, longitudinal, .. } =
             self.lane_laws.contacts.as_ref()?;
         let boundary_value = |boundary: &BoundaryFaces<T>| match boundary {
             BoundaryFaces::Physical(_) => Some(T::from_f64(BOUNDARY_HISTORY)),
@@ -158,6 +239,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         Some(PathContacts {
             constants: &faces[axis],
+            // Constants along rows already have the factors of the layer.
+            group_factors: if axis + 1 == D { group_factors } else { &[] },
             volumetric_strain: porous.as_ref().map(|own| own.0[0]),
             excess: granular.as_ref().map(|own| own.0.normal),
             longitudinal: longitudinal[axis],
@@ -172,13 +255,40 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         for row in rows.clone() {
             let tile = self.layout.row_segment(row);
-            self.apply_contact_laws_to_groups(self.layout.segment_groups(layer, &tile));
+            self.apply_contact_laws_to_segment(layer, &tile);
         }
     }
 
-    /// Completes the elastic step in adjacent groups of a row, given the index of their first value and their range.
-    pub(super) fn apply_contact_laws_to_groups(&mut self, (first, groups): (usize, Range<usize>)) {
+    /// Relaxes the stresses of viscous particles in contact over a step, cell by cell.
+    pub(super) fn relax_contacts(&mut self, layers: &Range<usize>, tile: &RowSegment) {
         let Some(contacts) = &self.lane_laws.contacts else { return };
+        if contacts.relaxations.is_empty() {
+            return;
+        }
+        for layer in layers.clone() {
+            let (first, groups) = self.layout.segment_groups(layer, tile);
+            let factor = T::from_f64(self.lane_laws.field_factor(layer));
+            for (index, group) in groups.enumerate() {
+                let pattern = self.materials.lane_pattern_indices[group] as usize;
+                let fields = &mut self.field_data[first + index..];
+                for (lane, medium) in contacts.patterns[pattern].iter().enumerate() {
+                    let Some(law) = &contacts.relaxations[usize::from(*medium)] else { continue };
+                    let law = &law.with_field_factor(factor);
+                    let loss = match D {
+                        2 => contacts.relax_lane::<1>(fields, lane, law),
+                        _ => contacts.relax_lane::<3>(fields, lane, law),
+                    };
+                    self.diagnostics.dissipation.viscous_dissipation
+                        [group * T::Lanes::COUNT + lane] += loss;
+                }
+            }
+        }
+    }
+
+    /// Completes the elastic step in a segment of a row of a layer.
+    pub(super) fn apply_contact_laws_to_segment(&mut self, layer: usize, tile: &RowSegment) {
+        let Some(contacts) = &self.lane_laws.contacts else { return };
+        let (first, groups) = self.layout.segment_groups(layer, tile);
         let lanes = T::Lanes::COUNT;
         let tile_lanes = groups.start * lanes..groups.end * lanes;
         let dissipation = &mut self.diagnostics.dissipation.plastic_dissipation;
@@ -186,8 +296,32 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             field_data: &mut self.field_data[first..],
             lane_pattern_indices: &self.materials.lane_pattern_indices[groups],
             contacts,
+            field_factor: T::from_f64(self.lane_laws.field_factor(layer)),
             plastic_dissipation: dissipation.get_mut(tile_lanes).unwrap_or(&mut []),
         });
+    }
+}
+
+impl<T: Real> LaneContacts<T> {
+    /// Relaxes the stress in a lane of a group; returns the energy lost, J/m³.
+    fn relax_lane<const SHEAR_COUNT: usize>(
+        &self,
+        group: &mut [T::Lanes],
+        lane: usize,
+        law: &MaxwellStep<T>,
+    ) -> f64 {
+        let Some((excess_places, _)) = &self.granular else { return 0.0 };
+        let read = |places: &TensorPlaces| {
+            places.read::<T, SHEAR_COUNT>(|place| group[place].lanes()[lane])
+        };
+        let relaxed = law.relax(read(&self.stress), read(excess_places));
+        for (places, tensor) in [(&self.stress, relaxed.stress), (excess_places, relaxed.excess)] {
+            let normal = places.normal.iter().zip(tensor.normal);
+            for (&place, value) in normal.chain(places.shear.iter().zip(tensor.shear)) {
+                group[place].lanes_mut()[lane] = value;
+            }
+        }
+        relaxed.energy_loss.to_f64()
     }
 }
 
@@ -197,6 +331,8 @@ struct ContactKernel<'a, T: Real> {
     field_data: &'a mut [T::Lanes],
     lane_pattern_indices: &'a [u32],
     contacts: &'a LaneContacts<T>,
+    /// Ratio of the fields of the row to the physical fields, with which thresholds are multiplied.
+    field_factor: T,
     /// Accumulated plastic dissipation by group and lane, J/m³; empty if no medium is plastic.
     plastic_dissipation: &'a mut [f64],
 }
@@ -204,12 +340,39 @@ struct ContactKernel<'a, T: Real> {
 impl<T: Real> SimdKernel<T> for ContactKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Self { field_data, lane_pattern_indices, contacts, plastic_dissipation } = self;
-        let LaneContacts { stress, granular, porous, .. } = contacts;
+        let Self { field_data, lane_pattern_indices, contacts, field_factor, plastic_dissipation } =
+            self;
+        let LaneContacts { stress, granular, cone, porous, .. } = contacts;
+        let factor = <V as Vector<T>>::splat(field_factor);
         if let Some((places, by_pattern)) = porous {
             for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
                 let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
-                complete_pore_step::<T, V>(&mut field_data[index..], *lanes, law, stress, places);
+                let group = &mut field_data[index..];
+                complete_pore_step::<T, V>(group, *lanes, (law, factor), stress, places);
+            }
+        }
+        if let Some((places, by_pattern)) = cone {
+            for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
+                let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
+                let group = &mut field_data[index..];
+                match stress.shear.len() {
+                    1 => {
+                        complete_cone_step::<T, V, 1>(
+                            group,
+                            *lanes,
+                            (law, factor),
+                            [stress, places],
+                        );
+                    }
+                    _ => {
+                        complete_cone_step::<T, V, 3>(
+                            group,
+                            *lanes,
+                            (law, factor),
+                            [stress, places],
+                        );
+                    }
+                }
             }
         }
         if let Some((places, by_pattern)) = granular {
@@ -217,8 +380,18 @@ impl<T: Real> SimdKernel<T> for ContactKernel<'_, T> {
                 let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
                 let group = &mut field_data[index..];
                 let dissipated = match stress.shear.len() {
-                    1 => complete_granular_step::<T, V, 1>(group, *lanes, law, [stress, places]),
-                    _ => complete_granular_step::<T, V, 3>(group, *lanes, law, [stress, places]),
+                    1 => complete_granular_step::<T, V, 1>(
+                        group,
+                        *lanes,
+                        (law, factor),
+                        [stress, places],
+                    ),
+                    _ => complete_granular_step::<T, V, 3>(
+                        group,
+                        *lanes,
+                        (law, factor),
+                        [stress, places],
+                    ),
                 };
                 let sums =
                     plastic_dissipation.get_mut(index * T::Lanes::COUNT..).unwrap_or(&mut []);
@@ -234,7 +407,7 @@ impl<T: Real> SimdKernel<T> for ContactKernel<'_, T> {
 fn complete_pore_step<T: Real, V: Vector<T>>(
     group: &mut [T::Lanes],
     lanes: u16,
-    law: &PoreLaw<T::Lanes>,
+    (law, factor): (&PoreLaw<T::Lanes>, V),
     stress: &TensorPlaces,
     [strain, closure]: &[usize; 2],
 ) {
@@ -242,7 +415,7 @@ fn complete_pore_step<T: Real, V: Vector<T>>(
         skeleton_modulus: V::load(&law.skeleton_modulus),
         contact_modulus: V::load(&law.contact_modulus),
         closed_compliance: V::load(&law.closed_compliance),
-        porosity: V::load(&law.porosity),
+        porosity: factor * V::load(&law.porosity),
     };
     let [a, b, c] = stress.normal;
     let normal = [V::load(&group[a]), V::load(&group[b]), V::load(&group[c])];
@@ -261,22 +434,54 @@ fn complete_pore_step<T: Real, V: Vector<T>>(
     before.closure.blend_lanes(lanes, step.state.closure).store(&mut group[*closure]);
 }
 
-/// Completes the step of a group and returns the plastic dissipation, J/m³.
 #[inline(always)]
-fn complete_granular_step<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
-    group: &mut [T::Lanes],
-    lanes: u16,
-    law: &GranularContact<T::Lanes>,
-    [stress_places, excess_places]: [&TensorPlaces; 2],
-) -> T::Lanes {
-    let law = GranularContact {
+fn load_granular<T: Real, V: Vector<T>>(law: &GranularContact<T::Lanes>) -> GranularContact<V> {
+    GranularContact {
         bulk_modulus: V::load(&law.bulk_modulus),
         energy_modulus: V::load(&law.energy_modulus),
         intensity_factor: V::load(&law.intensity_factor),
         friction: V::load(&law.friction),
         yield_stress: V::load(&law.yield_stress),
         corner_pressure: V::load(&law.corner_pressure),
+        compliances: [
+            V::load(&law.compliances[0]),
+            V::load(&law.compliances[1]),
+            V::load(&law.compliances[2]),
+        ],
+    }
+}
+
+#[inline(always)]
+fn complete_cone_step<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
+    group: &mut [T::Lanes],
+    lanes: u16,
+    (law, factor): (&PoreConeLaw<T::Lanes>, V),
+    [stress_places, excess_places]: [&TensorPlaces; 2],
+) {
+    let law = PoreConeLaw {
+        contact: load_granular::<T, V>(&law.contact),
+        bulk_share: V::load(&law.bulk_share),
+        shear_share: V::load(&law.shear_share),
+        offset: factor * V::load(&law.offset),
     };
+    let stress: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, stress_places);
+    let excess: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, excess_places);
+    let step = law.complete_step(stress, excess);
+    store_tensor::<T, V, _>(group, lanes, stress_places, &stress, &step.stress);
+    store_tensor::<T, V, _>(group, lanes, excess_places, &excess, &step.excess);
+}
+
+/// Completes the step of a group and returns the plastic dissipation, J/m³.
+#[inline(always)]
+fn complete_granular_step<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
+    group: &mut [T::Lanes],
+    lanes: u16,
+    (law, factor): (&GranularContact<T::Lanes>, V),
+    [stress_places, excess_places]: [&TensorPlaces; 2],
+) -> T::Lanes {
+    let mut law: GranularContact<V> = load_granular::<T, V>(law);
+    law.yield_stress = factor * law.yield_stress;
+    law.corner_pressure = factor * law.corner_pressure;
     let stress: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, stress_places);
     let excess: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, excess_places);
     let step = law.complete_step(stress, excess);

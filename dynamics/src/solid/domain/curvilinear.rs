@@ -5,6 +5,7 @@
 //! of media, since with constants by layer no two of their cells would share a pattern; rows have a separate table,
 //! which is filled for the row that is swept.
 
+use super::contacts::LaneContacts;
 use super::layout::RowSegment;
 use super::material_table::{MaterialTable, WavePair};
 use super::{Domain, SolverReal};
@@ -74,13 +75,22 @@ impl<T: Real> RowConstants<T> {
         })
     }
 
-    /// Fills the table with the constants of a layer, for the lane patterns that occur in the layer.
-    fn fill_table(&mut self, layer: usize, lane_pattern_indices: impl Iterator<Item = u32>) {
+    /// Fills the table, and the constants of the faces of contacts, with the constants of a layer, for the lane
+    /// patterns that occur in the layer.
+    fn fill_table(
+        &mut self,
+        layer: usize,
+        lane_pattern_indices: impl Iterator<Item = u32>,
+        contacts: &mut Option<LaneContacts<T>>,
+    ) {
         for pattern in lane_pattern_indices.map(|pattern| pattern as usize) {
             if std::mem::replace(&mut self.filled_layers[pattern], layer) == layer {
                 continue;
             }
             let (media, cells) = (&self.patterns[pattern], &self.cell_constants[layer]);
+            if let Some(contacts) = contacts {
+                contacts.fill_row_faces(layer, pattern, media);
+            }
             let row_constants = self.table.cell_constants[pattern * self.waves.len()..].iter_mut();
             for (pair, lanes) in row_constants.take(self.waves.len()).enumerate() {
                 for (lane, medium) in media.iter().enumerate() {
@@ -234,7 +244,8 @@ impl<T: Real> SimdKernel<T> for CurvatureKernel<'_, T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Rotates the state by the curvature of rows over `interval`; in the plane only, where layers are rows.
+    /// Rotates the state by the curvature of rows over `interval`, and completes the strain increment of the rotation in
+    /// media with contacts, as after a sweep; in the plane only, where layers are rows.
     pub(super) fn rotate_by_curvature(
         &mut self,
         layers: &Range<usize>,
@@ -252,6 +263,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 planes: &rotation.planes,
             });
         }
+        for layer in layers.clone() {
+            self.apply_contact_laws_to_segment(layer, tile);
+        }
     }
 
     /// Fills the wave constants for the sweep of a row, if cell lengths depend on the layer.
@@ -264,6 +278,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         // With one lane pattern `ghost_pattern_indices` is empty, and the row has that pattern.
         let ghosts =
             ghosts.into_iter().filter(|_| !self.materials.ghost_pattern_indices.is_empty());
-        spacing.fill_table(row, group_patterns.chain(ghosts));
+        spacing.fill_table(row, group_patterns.chain(ghosts), &mut self.lane_laws.contacts);
     }
 }

@@ -46,9 +46,11 @@ pub(super) struct LaneLaws<T: Real> {
     pub(super) total_stress_sets: TotalStressSets,
     /// Rotation of the state by the curvature of rows; `None` for straight rows.
     pub(super) curvature_rotations: Option<CurvatureRotations<T>>,
-    /// Whether the return mapping of total stresses is scalar, cell by cell, and not in lanes; results do not depend on
-    /// it.
+    /// Whether the return mapping of total stresses is scalar, cell by cell, and not in lanes, as in media whose overstress
+    /// relaxes; results do not depend on it.
     pub(super) uses_scalar_mapping: bool,
+    /// Ratio of the fields to the physical fields by layer; empty if it is 1.
+    pub(super) field_factors: Vec<f64>,
 }
 
 /// Whether the second sweep of a step along the last axis depends on all fields of a cell, not only on those that it
@@ -97,9 +99,11 @@ impl<T: Real> LaneLaws<T> {
         });
         let has_yield_set = |medium: &u16| media[usize::from(*medium)].yield_set.is_some();
         let is_plastic = media.iter().any(|medium| medium.yield_set.is_some());
-        let yield_sets = YieldSets::new(media, patterns, pitch).filter(|_| is_plastic);
+        let has_overstress = media.iter().any(|medium| medium.overstress_time.is_some());
+        let uses_lanes = is_plastic && !has_overstress;
+        let yield_sets = YieldSets::new(media, patterns, pitch).filter(|_| uses_lanes);
         let needs_total_stress_sets =
-            is_plastic && (yield_sets.is_none() || reflects || initial_stress.is_some());
+            uses_lanes && (yield_sets.is_none() || reflects || initial_stress.is_some());
         Self {
             total_stress_sets: match needs_total_stress_sets {
                 true => TotalStressSets::new(media, patterns, whole_initial_stress),
@@ -112,7 +116,8 @@ impl<T: Real> LaneLaws<T> {
                 _ => Vec::new(),
             },
             curvature_rotations: None,
-            uses_scalar_mapping: false,
+            uses_scalar_mapping: has_overstress,
+            field_factors: Vec::new(),
             spin_rotations: rotations.collect(),
             rotated_offsets: rotated_field_offsets(fields, pitch),
             contacts: None,
@@ -124,6 +129,11 @@ impl<T: Real> LaneLaws<T> {
             yield_sets,
             initial_stress,
         }
+    }
+
+    /// Returns the ratio of the fields in a layer to the physical fields.
+    pub(super) fn field_factor(&self, layer: usize) -> f64 {
+        self.field_factors.get(layer).copied().unwrap_or(1.0)
     }
 
     /// Whether the return mapping needs a buffer in double precision, as for domains in single precision.

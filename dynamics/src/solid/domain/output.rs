@@ -3,7 +3,7 @@
 use super::completion::ClosingBoundaries;
 use super::{Domain, SolverReal};
 
-use crate::solid::cell_laws::add_scaled;
+use crate::solid::cell_laws::{add_scaled, is_outside_yield_set};
 use crate::solid::medium::{Medium, stress_component};
 use std::ops::Range;
 
@@ -76,8 +76,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// none.
     pub(crate) fn first_cell_outside_yield_set(&self) -> Option<usize> {
         (0..self.grid.count()).find(|&cell| {
-            let stress = self.total_stress(cell);
-            self.medium(cell).project(&stress).stress != stress
+            let layer = self.layout.local_cell(cell) / self.layout.layer_cells();
+            let factor = self.lane_laws.field_factor(layer);
+            is_outside_yield_set(self.medium(cell), factor, &self.total_stress(cell))
         })
     }
 

@@ -270,6 +270,8 @@ pub(super) struct ProjectionKernel<'a, T: Real> {
     pub(super) yield_sets: &'a YieldSets<T>,
     /// By lane pattern, whether any lane has a yield set.
     pub(super) has_yield_set: &'a [bool],
+    /// Ratio of the fields of the row to the physical fields, with which strengths are multiplied.
+    pub(super) field_factor: T,
     /// Accumulated plastic dissipation by group and lane, J/m³.
     pub(super) dissipation: &'a mut [f64],
     /// Groups with stresses left to the scalar projection (index among these groups), and masks of their lanes.
@@ -279,6 +281,7 @@ pub(super) struct ProjectionKernel<'a, T: Real> {
 impl<T: Real> SimdKernel<T> for ProjectionKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
+        let factor = <V as Vector<T>>::splat(self.field_factor);
         match self.yield_sets {
             YieldSets::HalfSpaces(all) => {
                 for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
@@ -286,7 +289,7 @@ impl<T: Real> SimdKernel<T> for ProjectionKernel<'_, T> {
                     if !self.has_yield_set[pattern] {
                         continue;
                     }
-                    let lanes = lanes_beyond_half_spaces::<T, V>(group, &all[pattern]);
+                    let lanes = lanes_beyond_half_spaces::<T, V>(group, &all[pattern], factor);
                     if lanes != 0 {
                         self.scalar_lanes.push((index, lanes));
                     }
@@ -306,6 +309,7 @@ impl<T: Real> ProjectionKernel<'_, T> {
     #[inline(always)]
     fn map_groups<V: Vector<T>, const DEVIATOR: bool>(self, mises_sets: &MisesSets<T>) {
         let lanes = T::Lanes::COUNT;
+        let factor = <V as Vector<T>>::splat(self.field_factor);
         for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let group = &mut self.field_data[index..];
             if !self.has_yield_set[pattern as usize] {
@@ -313,8 +317,12 @@ impl<T: Real> ProjectionKernel<'_, T> {
             }
             let constants = &mises_sets.by_pattern[pattern as usize];
             let mut energy_loss = T::Lanes::ZERO;
-            let MappingLanes { mapped_lanes, scalar_lanes } =
-                map_group::<T, V, DEVIATOR>(group, constants, mises_sets, &mut energy_loss);
+            let MappingLanes { mapped_lanes, scalar_lanes } = map_group::<T, V, DEVIATOR>(
+                group,
+                (constants, factor),
+                mises_sets,
+                &mut energy_loss,
+            );
             if mapped_lanes != 0 {
                 let dissipation = &mut self.dissipation[index * lanes..][..lanes];
                 for (own, energy_loss) in dissipation.iter_mut().zip(energy_loss.lanes()) {
@@ -339,6 +347,7 @@ impl<T: Real> ProjectionKernel<'_, T> {
 fn lanes_beyond_half_spaces<T: Real, V: Vector<T>>(
     group: &[T::Lanes],
     half_spaces: &[LaneHalfSpace<T::Lanes>],
+    factor: V,
 ) -> u16 {
     let mut lanes = 0;
     for half_space in half_spaces {
@@ -346,7 +355,7 @@ fn lanes_beyond_half_spaces<T: Real, V: Vector<T>>(
         for (offset, component) in &half_space.normal {
             value = value + V::load(component) * V::load(&group[*offset]);
         }
-        lanes |= value.greater_lanes(V::load(&half_space.strength));
+        lanes |= value.greater_lanes(factor * V::load(&half_space.strength));
     }
     lanes
 }
@@ -418,7 +427,7 @@ fn scale_stress<T: Real, V: Vector<T>, const DEVIATOR: bool>(
 #[inline(always)]
 fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
-    constants: &MisesConstants<T::Lanes>,
+    (constants, factor): (&MisesConstants<T::Lanes>, V),
     mises_sets: &MisesSets<T>,
     energy_loss: &mut T::Lanes,
 ) -> MappingLanes {
@@ -442,7 +451,7 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
             square = square + V::load(&constants.weights[part]) * squares[part];
         }
     }
-    let strength = V::load(&constants.strength);
+    let strength = factor * V::load(&constants.strength);
     let shear_capacity = strength - V::load(&constants.friction) * mean;
     // Lanes whose mean stress alone is at or beyond the apex of the set.
     let scalar_lanes = V::MIN_POSITIVE.greater_lanes(shear_capacity);

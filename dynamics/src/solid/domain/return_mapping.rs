@@ -24,7 +24,7 @@ use super::total_stress::{
     load_cone, load_moduli, load_tensors, to_tensors,
 };
 use crate::simd::{InstructionSet, LaneGroup, Number, SimdKernel, Vector};
-use crate::solid::cell_laws::map_stress;
+use crate::solid::cell_laws::{REFLECTION, map_stress};
 use crate::solid::medium::Medium;
 use models::solid::parameters::stored_energy;
 use models::solid::stress::{Stress, StressShape};
@@ -541,8 +541,9 @@ impl<'a> TotalStressKernel<'a> {
                 initial_stress.map(|own| own.lane_stress(lane)),
             );
             let deviation = Stress { force, couple };
-            let Some(result) =
-                map_stress(medium, &deviation, initial_stress.as_ref(), self.is_reflection)
+            // Media whose overstress relaxes are mapped cell by cell.
+            let weight = if self.is_reflection { REFLECTION } else { 0.0 };
+            let Some(result) = map_stress(medium, &deviation, initial_stress.as_ref(), weight)
             else {
                 continue;
             };

@@ -19,7 +19,8 @@
 //! energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half
 //! step. With yield sets, the projection P onto the yield set in the energy norm is applied as return mapping either at
 //! the end, or as the reflection 2P − I, which is also non-expansive, in the middle between two halves of Q
-//! ([`PlasticStep`]). In media with contacts the law of the contact completes each sweep ([`super::contacts`]).
+//! ([`PlasticStep`]). In media with contacts the law of the contact completes each sweep, and each rotation by the
+//! curvature ([`super::contacts`]).
 //!
 //! With alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the step is
 //!
@@ -206,19 +207,20 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     fn apply_cell_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         if self.lane_laws.contacts.is_some() {
             for layer in layers.clone() {
-                self.apply_contact_laws_to_groups(self.layout.segment_groups(layer, tile));
+                self.apply_contact_laws_to_segment(layer, tile);
             }
         }
         self.apply_sources(layers, tile, first);
         if self.scheme.plastic_step == PlasticStep::MidpointReflection
             && !self.diagnostics.dissipation.plastic_dissipation.is_empty()
         {
-            // Curved blocks do not yield: `Problem::check_metric`.
+            self.rotate_by_curvature(layers, tile, LawInterval::HalfStep);
             self.rotate_spins(layers, tile, LawInterval::HalfStep);
             self.relax(layers, tile, LawInterval::HalfStep);
             self.apply_return_mapping(layers, tile, true);
             self.relax(layers, tile, LawInterval::HalfStep);
             self.rotate_spins(layers, tile, LawInterval::HalfStep);
+            self.rotate_by_curvature(layers, tile, LawInterval::HalfStep);
         } else {
             // The rotation by the curvature does not commute with the other cell laws: half of the rotation before and
             // half after them.
@@ -228,6 +230,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.rotate_by_curvature(layers, tile, interval);
             self.rotate_spins(layers, tile, LawInterval::Step);
             self.relax(layers, tile, LawInterval::Step);
+            self.relax_contacts(layers, tile);
             if has_other_laws {
                 self.rotate_by_curvature(layers, tile, interval);
             }

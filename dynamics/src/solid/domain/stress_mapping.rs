@@ -6,7 +6,7 @@ use super::return_mapping::{TotalStressKernel, map_in_lanes};
 use super::total_stress::{BLOCK_LANES, DoubleLanes, InitialStress, blocks_per_group};
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Real};
-use crate::solid::cell_laws::map_stress;
+use crate::solid::cell_laws::map_scaled_stress;
 use crate::solid::ledger::CellDissipation;
 use crate::solid::medium::stress_component;
 use models::solid::stress::Stress;
@@ -64,6 +64,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             lane_pattern_indices: &self.materials.lane_pattern_indices[groups.clone()],
             yield_sets,
             has_yield_set: &self.lane_laws.has_yield_set,
+            field_factor: T::from_f64(self.lane_laws.field_factor(layer)),
             dissipation: &mut dissipation[groups.start * lanes..groups.end * lanes],
             scalar_lanes: &mut scalar_lanes,
         };
@@ -167,7 +168,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         let initial = self.lane_laws.initial_stress.is_some().then(|| self.initial_stress(cell));
         let deviation = self.stress_deviation(cell);
-        let Some(mapped) = map_stress(medium, &deviation, initial.as_ref(), reflects) else {
+        let weight = medium.mapping_weight(reflects, self.step);
+        let layer = cell / self.layout.layer_cells();
+        let factor = self.lane_laws.field_factor(layer);
+        let Some(mapped) = map_scaled_stress(medium, factor, &deviation, initial.as_ref(), weight)
+        else {
             return;
         };
         let lane = self.layout.flat_lane_index::<T>(cell);

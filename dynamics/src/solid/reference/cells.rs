@@ -3,7 +3,7 @@
 use super::Reference;
 use crate::solid::cell_laws::{
     LawInterval, MAX_FIELDS, RelaxedFields, SpinStressRotation, accelerate, add_scaled,
-    apply_source, find_relaxed_fields, flush_limit, integrate_signal, map_stress, relax,
+    apply_source, find_relaxed_fields, flush_limit, integrate_signal, map_scaled_stress, relax,
     relaxation_coefficients, rotate_spin_stress, rotated_fields, spin_stress_rotation,
     stress_from_fields,
 };
@@ -102,6 +102,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         &self.problem.media[usize::from(self.problem.cell_media[cell])]
     }
 
+    /// Returns the ratio of the fields of a cell to the physical fields.
+    pub(super) fn field_factor(&self, cell: usize) -> f64 {
+        self.problem.field_factor_of_cell(cell)
+    }
+
     /// Returns the values of all fields of a cell.
     pub(super) fn cell_state(&self, cell: usize) -> [T; MAX_FIELDS] {
         let mut state = [T::ZERO; MAX_FIELDS];
@@ -182,7 +187,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Rotates the state by the curvature of rows over `interval`.
+    /// Rotates the state by the curvature of rows over `interval`, and completes the strain increment in media with
+    /// contacts.
     pub(super) fn rotate_by_curvature(&mut self, interval: LawInterval) {
         let length = self.problem.grid.cells[0];
         for (cell, medium) in self.problem.cell_media.iter().enumerate() {
@@ -200,6 +206,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                     *stress = *stress - T::from_f64(modulus) * strain;
                 }
             }
+        }
+        if self.problem.metric.as_ref().is_some_and(|metric| !metric.curvature.is_empty()) {
+            self.apply_contact_laws();
         }
     }
 
@@ -254,7 +263,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for cell in 0..self.problem.grid.count() {
             let medium = self.problem.cell_media[cell];
             let mut state = self.cell_state(cell);
-            match lane_return_mapping.map_cell(medium, &mut state) {
+            let factor = T::from_f64(self.field_factor(cell));
+            match lane_return_mapping.map_cell(medium, factor, &mut state) {
                 Some(dissipated) => {
                     self.dissipation.plastic_dissipation[cell] += dissipated;
                     for (field, value) in self.fields.iter_mut().zip(state) {
@@ -279,7 +289,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
         let deviation = stress_from_fields(self.fields(), &self.cell_state(cell));
         let initial = self.initial_stress(cell);
-        let Some(mapped) = map_stress(medium, &deviation, initial.as_ref(), reflects) else {
+        let weight = medium.mapping_weight(reflects, self.problem.step);
+        let factor = self.field_factor(cell);
+        let Some(mapped) = map_scaled_stress(medium, factor, &deviation, initial.as_ref(), weight)
+        else {
             return;
         };
         self.dissipation.plastic_dissipation[cell] += mapped.dissipation;

@@ -7,8 +7,10 @@ use crate::solid::contact_law::{ContactLaw, TensorPlaces};
 use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::BoundaryFaces;
 use crate::solid::line::advance;
+use crate::solid::medium::Medium;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::{InterfaceState, State};
+use models::granular_medium::MaxwellStep;
 use models::porous::PoreState;
 use models::rheology::relaxation::SymmetricTensor;
 use models::solid::waves::SolidField;
@@ -20,20 +22,65 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             return;
         }
         for cell in 0..self.problem.grid.count() {
+            let factor = T::from_f64(self.field_factor(cell));
             match self.medium(cell).contact {
                 Some(ContactLaw::Granular { law, .. }) => {
-                    let law = law.map(T::from_f64);
+                    let mut law = law.map(T::from_f64);
+                    law.yield_stress = factor * law.yield_stress;
+                    law.corner_pressure = factor * law.corner_pressure;
                     match D {
                         2 => self.complete_granular_step::<1>(cell, &law),
                         _ => self.complete_granular_step::<3>(cell, &law),
                     }
                 }
                 Some(ContactLaw::Porous { law, .. }) => {
-                    self.complete_pore_step(cell, &law.map(T::from_f64));
+                    let mut law = law.map(T::from_f64);
+                    law.porosity = factor * law.porosity;
+                    self.complete_pore_step(cell, &law);
+                }
+                Some(ContactLaw::PorousCone { law, .. }) => {
+                    let mut law = law.map(T::from_f64);
+                    law.offset = factor * law.offset;
+                    match D {
+                        2 => self.complete_cone_step::<1>(cell, &law),
+                        _ => self.complete_cone_step::<3>(cell, &law),
+                    }
                 }
                 None => {}
             }
         }
+    }
+
+    /// Relaxes the stresses of viscous particles in contact over a step.
+    pub(super) fn relax_contacts(&mut self) {
+        let step = self.problem.step;
+        let relaxation = |medium: &Medium| {
+            let law = medium.contact?.relaxation(step)?;
+            Some(law.map(T::from_f64))
+        };
+        let laws: Vec<_> = self.problem.media.iter().map(relaxation).collect();
+        if laws.iter().all(Option::is_none) {
+            return;
+        }
+        for cell in 0..self.problem.grid.count() {
+            let Some(law) = laws[usize::from(self.problem.cell_media[cell])] else { continue };
+            let law = law.with_field_factor(T::from_f64(self.field_factor(cell)));
+            match D {
+                2 => self.relax_contact::<1>(cell, &law),
+                _ => self.relax_contact::<3>(cell, &law),
+            }
+        }
+    }
+
+    fn relax_contact<const SHEAR_COUNT: usize>(&mut self, cell: usize, law: &MaxwellStep<T>) {
+        let stress_places = self.tensor_places(SolidField::Stress);
+        let excess_places = self.tensor_places(SolidField::ExcessStress);
+        let read =
+            |places: &TensorPlaces| places.read::<T, SHEAR_COUNT>(|place| self.fields[place][cell]);
+        let relaxed = law.relax(read(&stress_places), read(&excess_places));
+        self.store_tensor(cell, &stress_places, &relaxed.stress);
+        self.store_tensor(cell, &excess_places, &relaxed.excess);
+        self.dissipation.viscous_dissipation[cell] += relaxed.energy_loss.to_f64();
     }
 
     /// Sweeps all wave pairs of a line with contacts.
@@ -53,7 +100,15 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         };
         let strain = history(SolidField::VolumetricStrain);
         let excess = [0, 1, 2].map(|i| history(SolidField::ExcessStress(i, i)));
+        // Constants along rows already have the factors of the layer.
+        let factors: Vec<T> = match line.axis + 1 == D {
+            true => {
+                self.line_cells(line).map(|cell| T::from_f64(self.field_factor(cell))).collect()
+            }
+            false => vec![T::ONE; media.len()],
+        };
         let beside = |upper: usize| FaceContacts {
+            porosity_factors: [factors[upper - 1], factors[upper]],
             volumetric_strain: strain.as_ref().map(|own| [own[upper - 1], own[upper]]),
             excess: excess
                 .each_ref()
@@ -67,7 +122,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let mut pairs = self.problem.media[0].pairs[line.axis].iter();
         let longitudinal = pairs.position(|pair| pair.is_longitudinal()).unwrap_or(0);
         // By face and pair, from the states before the sweep.
-        let constants = &self.contact_faces[line.axis];
+        let constants = match line.axis {
+            0 if !self.contact_faces_by_layer.is_empty() => {
+                &self.contact_faces_by_layer[line.cell(0) / self.problem.grid.cells[0]]
+            }
+            axis => &self.contact_faces[axis],
+        };
         let solve = |upper: usize| {
             let stencil = |own: &LineFields<T>| {
                 let states = std::array::from_fn(|i| State {
@@ -162,6 +222,21 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             *sum += step.plastic_dissipation.to_f64();
         }
         self.add_contact_loss(step.other_loss);
+    }
+
+    fn complete_cone_step<const SHEAR_COUNT: usize>(
+        &mut self,
+        cell: usize,
+        law: &models::porous::PoreConeLaw<T>,
+    ) {
+        let stress_places = self.tensor_places(SolidField::Stress);
+        let excess_places = self.tensor_places(SolidField::ExcessStress);
+        let read =
+            |places: &TensorPlaces| places.read::<T, SHEAR_COUNT>(|place| self.fields[place][cell]);
+        let step = law.complete_step(read(&stress_places), read(&excess_places));
+        self.store_tensor(cell, &stress_places, &step.stress);
+        self.store_tensor(cell, &excess_places, &step.excess);
+        self.add_contact_loss(step.energy_loss);
     }
 
     fn complete_pore_step(&mut self, cell: usize, law: &models::porous::PoreLaw<T>) {

@@ -62,6 +62,8 @@ pub struct Reference<T: SolverReal, const D: usize> {
     boundaries: [[BoundaryFaces<T>; 2]; D],
     /// Constants of the faces of contacts by axis and medium; empty without contacts.
     contact_faces: [Vec<ContactConstants<T>>; D],
+    /// Those along the first axis by layer and medium, if cell lengths vary by layer; else empty.
+    contact_faces_by_layer: Vec<Vec<ContactConstants<T>>>,
     /// Constants of the laws that act in cells between sweeps.
     cell_laws: CellLaws<T>,
     /// Values by field and cell (first axis fastest); stresses as deviation from the initial stress.
@@ -132,6 +134,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 true => ContactConstants::by_medium(&problem, axis),
                 false => Vec::new(),
             }),
+            contact_faces_by_layer: match problem.has_contacts() {
+                true => ContactConstants::by_layer(&problem, 0..grid.cells[D - 1]),
+                false => Vec::new(),
+            },
             cell_laws: CellLaws::new(&problem, &state_fields),
             fields: vec![vec![T::ZERO; count]; state_fields.len()],
             interlayers: InterlayerFaces::new(&problem),

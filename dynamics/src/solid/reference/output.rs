@@ -3,7 +3,7 @@
 use super::sweep::{GridLine, LineFields, ReferenceWavePair};
 use super::{Reference, lane_index};
 use crate::simd::Real;
-use crate::solid::cell_laws::{add_scaled, stress_from_fields};
+use crate::solid::cell_laws::{add_scaled, is_outside_yield_set, stress_from_fields};
 use crate::solid::domain::{BOUNDARY_LAYER_CELLS, ClosingBoundaries, SolverReal};
 use crate::solid::ghosts::BoundaryFaces;
 use crate::solid::ledger::{EnergySums, WorkSums};
@@ -54,8 +54,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// `None` if there is none.
     pub fn first_cell_outside_yield_set(&self) -> Option<usize> {
         let cell = (0..self.problem.grid.count()).find(|&cell| {
-            let stress = self.permuted_total_stress(cell);
-            self.medium(cell).project(&stress).stress != stress
+            let (medium, factor) = (self.medium(cell), self.field_factor(cell));
+            is_outside_yield_set(medium, factor, &self.permuted_total_stress(cell))
         });
         cell.map(|cell| self.permutation.original_cell(cell))
     }

@@ -25,7 +25,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Advances by a two-cyclic step: U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes
-    /// relaxation. The laws of contacts complete each sweep.
+    /// relaxation. The laws of contacts complete each sweep and each rotation by the curvature.
     fn advance_two_cyclic(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
@@ -62,11 +62,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_sources(&sources[0]);
         match self.problem.scheme.plastic_step {
             PlasticStep::MidpointReflection if !self.dissipation.plastic_dissipation.is_empty() => {
+                self.rotate_by_curvature(LawInterval::HalfStep);
                 self.rotate_spins(LawInterval::HalfStep);
                 self.relax(LawInterval::HalfStep);
                 self.map_cells_scalar(true);
                 self.relax(LawInterval::HalfStep);
                 self.rotate_spins(LawInterval::HalfStep);
+                self.rotate_by_curvature(LawInterval::HalfStep);
             }
             _ => {
                 // The rotation by the curvature does not commute with the other laws: half of the rotation before, half
@@ -77,6 +79,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 self.rotate_by_curvature(interval);
                 self.rotate_spins(LawInterval::Step);
                 self.relax(LawInterval::Step);
+                self.relax_contacts();
                 if has_other_laws {
                     self.rotate_by_curvature(interval);
                 }

@@ -16,6 +16,8 @@ use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cel
 pub(crate) struct PathContacts<'a, T: Real> {
     /// Constants by lane pattern.
     pub(crate) constants: &'a [ContactConstants<T::Lanes>],
+    /// By group, the factor of porosities; empty if it is 1.
+    pub(crate) group_factors: &'a [T],
     /// Offset of the volumetric strain of porous media.
     pub(crate) volumetric_strain: Option<usize>,
     /// Offsets of the normal components of the excess stress of granular media.
@@ -63,7 +65,11 @@ impl<T: Real> SweepLines<'_, T> {
     /// Sweeps lines with contacts.
     pub(super) fn sweep_path_with_contacts(&mut self, instructions: InstructionSet) {
         match self.table.has_single_pattern() {
-            true => instructions.run_kernel(ContactSweep::<T, true>(self)),
+            // The form for one medium is compiled only where it matters: the baseline has the other one, with the same
+            // results.
+            true => instructions.run_kernel_or(ContactSweep::<T, true>(self), |kernel| {
+                InstructionSet::Baseline.run_kernel(ContactSweep::<T, false>(kernel.0));
+            }),
             false => instructions.run_kernel(ContactSweep::<T, false>(self)),
         }
     }
@@ -138,8 +144,13 @@ impl<T: Real> SweepLines<'_, T> {
         patterns[1] = self.lane_pattern_indices[self.previous_group.group + offset.group];
         patterns[2] = self.lane_pattern_indices[path[0].group + offset.group];
         patterns[3] = self.lane_pattern_indices[path[1].group + offset.group];
-        let mut beside = FaceContacts { volumetric_strain: None, excess: None };
-        self.load_history::<V>(contacts, path[0].start + offset.start, &mut beside);
+        let mut beside =
+            FaceContacts { volumetric_strain: None, porosity_factors: [V::ONE; 2], excess: None };
+        self.load_history::<V>(
+            contacts,
+            path[0].shift_to_line(line, self.line_stride),
+            &mut beside,
+        );
         for place in 0..steps {
             let next = path[place + 2].start + offset.start;
             patterns = [
@@ -157,7 +168,8 @@ impl<T: Real> SweepLines<'_, T> {
                 let state = self.load_pair::<V>(next, wave);
                 windows[pair].states = [states[1], states[2], states[3], state];
             }
-            self.load_history::<V>(contacts, path[place + 1].start + offset.start, &mut beside);
+            let upper = path[place + 1].shift_to_line(line, self.line_stride);
+            self.load_history::<V>(contacts, upper, &mut beside);
             let solutions =
                 self.solve_faces::<V, P, IS_UNIFORM>(contacts, &windows, patterns, &beside, slopes);
             let start = path[place].start + offset.start;
@@ -254,10 +266,15 @@ impl<T: Real> SweepLines<'_, T> {
     fn load_history<V: Vector<T>>(
         &self,
         contacts: &PathContacts<'_, T>,
-        start: usize,
+        upper: GroupIndex,
         beside: &mut FaceContacts<V>,
     ) {
-        let group = &self.field_data[start..];
+        if !contacts.group_factors.is_empty() {
+            // Ghosts have none: beyond physical boundaries pores count as collapsed.
+            let factor = contacts.group_factors.get(upper.group).copied().unwrap_or(T::ONE);
+            beside.porosity_factors = [beside.porosity_factors[1], <V as Vector<T>>::splat(factor)];
+        }
+        let group = &self.field_data[upper.start..];
         if let Some(place) = contacts.volumetric_strain {
             let before = beside.volumetric_strain.unwrap_or([V::ZERO; 2]);
             beside.volumetric_strain = Some([before[1], V::load(&group[place])]);

@@ -1,0 +1,105 @@
+//! Errors of the command line in one line: argument, value found, values allowed.
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Command, CommandFactory, Error};
+use std::error::Error as _;
+use wellposed::cli::UsageError;
+
+/// Describes an error of the argument parser; `arguments` are those of the program, without its name.
+pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[String]) -> UsageError {
+    let verb = find_verb(&C::command(), arguments);
+    let help = match &verb {
+        Some(verb) => format!("wellposed {verb} --help lists the arguments"),
+        None => "wellposed --help lists the commands".to_owned(),
+    };
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        Some(ContextValue::Strings(texts)) => texts.join(", "),
+        _ => String::new(),
+    };
+    let argument = text(ContextKind::InvalidArg);
+    let meant = |kind| match text(kind) {
+        similar if similar.is_empty() => String::new(),
+        similar => format!("did you mean '{similar}'? "),
+    };
+    let usage_error = |argument: String, found: String, allowed: String| UsageError {
+        argument,
+        found,
+        allowed: match allowed.ends_with(' ') {
+            true => format!("{allowed}{help}"),
+            false => format!("{allowed}; {help}"),
+        },
+    };
+    match error.kind() {
+        ErrorKind::InvalidValue => {
+            let found = match text(ContextKind::InvalidValue) {
+                value if value.is_empty() => "found no value".to_owned(),
+                value => format!("found '{value}'"),
+            };
+            let allowed = match text(ContextKind::ValidValue) {
+                values if values.is_empty() => format!("expected {argument}"),
+                values => format!("{}allowed: {values}", meant(ContextKind::SuggestedValue)),
+            };
+            usage_error(argument, found, allowed)
+        }
+        ErrorKind::ValueValidation => {
+            let found = format!("found '{}'", text(ContextKind::InvalidValue));
+            let allowed =
+                error.source().map_or(format!("expected {argument}"), ToString::to_string);
+            usage_error(argument, found, allowed)
+        }
+        ErrorKind::UnknownArgument => {
+            let allowed = match meant(ContextKind::SuggestedArg) {
+                suggestion if suggestion.is_empty() => "leave it out".to_owned(),
+                suggestion => suggestion,
+            };
+            let found = match argument.starts_with('-') {
+                true => "unknown option",
+                false => "found one argument too many",
+            };
+            usage_error(argument, found.to_owned(), allowed)
+        }
+        ErrorKind::InvalidSubcommand => {
+            let allowed = format!(
+                "{}allowed: {}",
+                meant(ContextKind::SuggestedSubcommand),
+                list_verbs(&C::command())
+            );
+            usage_error(text(ContextKind::InvalidSubcommand), "unknown command".to_owned(), allowed)
+        }
+        ErrorKind::MissingRequiredArgument => {
+            let usage =
+                format!("expected wellposed {} {argument}", verb.as_deref().unwrap_or_default());
+            usage_error(argument, "missing".to_owned(), usage)
+        }
+        ErrorKind::ArgumentConflict => {
+            let other = text(ContextKind::PriorArg);
+            match other == argument {
+                true => usage_error(argument, "found twice".to_owned(), "give it once".to_owned()),
+                false => usage_error(
+                    argument,
+                    format!("found beside {other}"),
+                    "give one of them".to_owned(),
+                ),
+            }
+        }
+        _ => {
+            let rendered = error.render().to_string();
+            let paragraph = rendered.split("\n\n").next().unwrap_or_default();
+            let found = paragraph.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+            let found = found.trim_start_matches("error: ").to_owned();
+            let name = verb.clone().unwrap_or("command line".to_owned());
+            usage_error(name, found, "expected other arguments".to_owned())
+        }
+    }
+}
+
+/// Returns the verb among the arguments, if one is given.
+fn find_verb(command: &Command, arguments: &[String]) -> Option<String> {
+    let is_verb = |word: &&String| command.get_subcommands().any(|verb| verb.get_name() == **word);
+    arguments.iter().find(is_verb).cloned()
+}
+
+fn list_verbs(command: &Command) -> String {
+    command.get_subcommands().map(Command::get_name).collect::<Vec<_>>().join(", ")
+}
