@@ -192,7 +192,7 @@ fn too_long_names_are_refused_at_start() {
     run_with_exit_code(0, &here, "run case.toml --out out --threads 1 --set time.duration=0.01");
     let (_, stderr) =
         run_with_exit_code(2, &here, &format!("speeds case.toml --set name={}", &name[..256]));
-    assert!(stderr.contains("at most 255"), "{stderr}");
+    assert!(stderr.contains("1 to 255 letters"), "{stderr}");
 }
 
 /// Verifies that exceeding a limit on the file size is reported as a write error.

@@ -29,10 +29,13 @@ pub const MAX_CURVE_POINTS: usize = 64;
 const TANGENT_STEP: f64 = 1e-3;
 
 /// Planes and, in each, directions and wave numbers at which the search of the supremum starts.
-const SUPREMUM_SAMPLES: [usize; 3] = [6, 4, 6];
+const SUPREMUM_SAMPLES: [usize; 3] = [12, 8, 16];
 
 /// Number of planes in which the supremum is searched one after another.
 const SUPREMUM_PLANES: usize = 4;
+
+/// Angles from the direction found, rad, at which growth is sampled before the normal plane is searched.
+const NEIGHBOUR_ANGLES: [f64; 4] = [-0.1, -0.01, 0.01, 0.1];
 
 /// Unit vectors that span a plane of wave vectors.
 type Plane = [[f64; 3]; 2];
@@ -229,7 +232,18 @@ pub fn locate_supremum(
     };
     search(&assessment.plane, &mut best)?;
     let mut plane = assessment.plane;
-    if let Some(sampled) = sample_fastest_direction(system)? {
+    let mut samples = SpaceWorkspace::default();
+    let mut sample = |plane: &Plane, angle: f64| {
+        system.restrict_to_plane(plane, &mut samples.plane_system);
+        samples.pencil.update(&samples.plane_system)?;
+        Ok::<f64, AnalysisError>(bound::sample_growth(&samples.pencil, angle, SUPREMUM_SAMPLES[2]))
+    };
+    let fastest = sample_fastest_direction(system)?;
+    let known = match best {
+        Some((supremum, _)) => sample(&plane, supremum.direction)?,
+        None => f64::NEG_INFINITY,
+    };
+    if let Some((_, sampled)) = fastest.filter(|(rate, _)| is_faster(*rate, known)) {
         // A plane through the sample and any axis that is not parallel to it.
         plane = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
             .into_iter()
@@ -240,6 +254,15 @@ pub fn locate_supremum(
     for _ in 1..SUPREMUM_PLANES {
         let Some((before, direction)) = best else { break };
         plane = span_with(direction, cross(plane[0], plane[1])).unwrap_or(plane);
+        // The search costs as much as thousands of samples: only where growth rises beside the direction.
+        let here = sample(&plane, 0.0)?;
+        let mut rises = false;
+        for angle in NEIGHBOUR_ANGLES {
+            rises |= is_faster(sample(&plane, angle)?, here);
+        }
+        if !rises {
+            break;
+        }
         search(&plane, &mut best)?;
         // A maximum in two planes normal to each other is one over directions.
         if best.is_none_or(|(own, _)| own.growth_rate <= before.growth_rate) {
@@ -249,10 +272,15 @@ pub fn locate_supremum(
     Ok(best.map(|(supremum, direction)| (supremum, to_upper_half(direction))))
 }
 
-/// Direction of the largest Re ς among samples over directions and wave numbers.
+/// Whether a sampled growth rate exceeds another one by more than the rounding of multiple roots.
+fn is_faster(rate: f64, other: f64) -> bool {
+    rate > other + 1e-6 * other.abs()
+}
+
+/// Largest Re ς among samples over directions and wave numbers, and its direction.
 fn sample_fastest_direction(
     system: &LinearisedSystem<3>,
-) -> Result<Option<[f64; 3]>, AnalysisError> {
+) -> Result<Option<(f64, [f64; 3])>, AnalysisError> {
     let [planes, directions, wave_numbers] = SUPREMUM_SAMPLES;
     let mut workspace = SpaceWorkspace::default();
     let mut best: Option<(f64, [f64; 3])> = None;
@@ -268,7 +296,7 @@ fn sample_fastest_direction(
             }
         }
     }
-    Ok(best.map(|(_, direction)| direction))
+    Ok(best)
 }
 
 /// Argument of the maximum of a function with one maximum, to 1e-7: enough for a coefficient to 1e-13.

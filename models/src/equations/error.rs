@@ -54,7 +54,7 @@ pub struct TextError {
     pub position: Option<[usize; 2]>,
     /// What was found.
     pub found: String,
-    /// What is allowed, or how to mend the text.
+    /// Allowed text, or a correction.
     pub remedy: String,
 }
 
@@ -103,7 +103,7 @@ pub enum EvaluationError {
         place: TextPlace,
         /// Text of the sub-expression.
         expression: String,
-        /// What is wrong, as the end of a sentence.
+        /// Description of the error, as the end of a sentence.
         problem: &'static str,
         /// Value of the argument that decides.
         value: f64,

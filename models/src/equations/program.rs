@@ -52,7 +52,7 @@ pub(super) struct Program {
 pub(super) struct Fault {
     /// Node of the instruction; `None` if an input is not finite.
     pub(super) node: Option<NodeId>,
-    /// What is wrong, as the end of a sentence.
+    /// Description of the error, as the end of a sentence.
     pub(super) problem: &'static str,
     /// Value of the argument that decides.
     pub(super) argument: f64,

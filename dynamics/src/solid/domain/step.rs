@@ -203,7 +203,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Completes the sweep along the last axis in media with contacts, then applies K Q K, with relaxation, and with the reflection 2P − I if it is applied in the middle of the step.
+    /// Completes the sweep along the last axis in media with contacts, then applies K Q K, with relaxation, and with the
+    /// reflection 2P − I if it is applied in the middle of the step.
     fn apply_cell_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         if self.lane_laws.contacts.is_some() {
             for layer in layers.clone() {

@@ -73,13 +73,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     fn relax_contact<const SHEAR_COUNT: usize>(&mut self, cell: usize, law: &MaxwellStep<T>) {
-        let stress_places = self.tensor_places(SolidField::Stress);
-        let excess_places = self.tensor_places(SolidField::ExcessStress);
-        let read =
-            |places: &TensorPlaces| places.read::<T, SHEAR_COUNT>(|place| self.fields[place][cell]);
-        let relaxed = law.relax(read(&stress_places), read(&excess_places));
-        self.store_tensor(cell, &stress_places, &relaxed.stress);
-        self.store_tensor(cell, &excess_places, &relaxed.excess);
+        let [stress, excess] = self.stress_and_excess::<SHEAR_COUNT>(cell);
+        let relaxed = law.relax(stress, excess);
+        self.store_stress_and_excess(cell, [&relaxed.stress, &relaxed.excess]);
         self.dissipation.viscous_dissipation[cell] += relaxed.energy_loss.to_f64();
     }
 
@@ -194,15 +190,28 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         TensorPlaces::find(&self.state_fields, create).expect("fields of the medium")
     }
 
-    fn store_tensor<const SHEAR_COUNT: usize>(
+    /// Returns stress and excess stress of a cell.
+    fn stress_and_excess<const SHEAR_COUNT: usize>(
+        &self,
+        cell: usize,
+    ) -> [SymmetricTensor<T, SHEAR_COUNT>; 2] {
+        [SolidField::Stress, SolidField::ExcessStress]
+            .map(|create| self.tensor_places(create).read(|place| self.fields[place][cell]))
+    }
+
+    fn store_stress_and_excess<const SHEAR_COUNT: usize>(
         &mut self,
         cell: usize,
-        places: &TensorPlaces,
-        tensor: &SymmetricTensor<T, SHEAR_COUNT>,
+        [stress, excess]: [&SymmetricTensor<T, SHEAR_COUNT>; 2],
     ) {
-        let normal = places.normal.iter().zip(tensor.normal);
-        for (&place, value) in normal.chain(places.shear.iter().zip(tensor.shear)) {
-            self.fields[place][cell] = value;
+        for (create, tensor) in
+            [(SolidField::Stress as fn(_, _) -> _, stress), (SolidField::ExcessStress, excess)]
+        {
+            let places = self.tensor_places(create);
+            let normal = places.normal.iter().zip(tensor.normal);
+            for (&place, value) in normal.chain(places.shear.iter().zip(tensor.shear)) {
+                self.fields[place][cell] = value;
+            }
         }
     }
 
@@ -211,13 +220,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         cell: usize,
         law: &models::granular_medium::GranularContact<T>,
     ) {
-        let stress_places = self.tensor_places(SolidField::Stress);
-        let excess_places = self.tensor_places(SolidField::ExcessStress);
-        let read =
-            |places: &TensorPlaces| places.read::<T, SHEAR_COUNT>(|place| self.fields[place][cell]);
-        let step = law.complete_step(read(&stress_places), read(&excess_places));
-        self.store_tensor(cell, &stress_places, &step.stress);
-        self.store_tensor(cell, &excess_places, &step.excess);
+        let [stress, excess] = self.stress_and_excess::<SHEAR_COUNT>(cell);
+        let step = law.complete_step(stress, excess);
+        self.store_stress_and_excess(cell, [&step.stress, &step.excess]);
         if let Some(sum) = self.dissipation.plastic_dissipation.get_mut(cell) {
             *sum += step.plastic_dissipation.to_f64();
         }
@@ -229,13 +234,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         cell: usize,
         law: &models::porous::PoreConeLaw<T>,
     ) {
-        let stress_places = self.tensor_places(SolidField::Stress);
-        let excess_places = self.tensor_places(SolidField::ExcessStress);
-        let read =
-            |places: &TensorPlaces| places.read::<T, SHEAR_COUNT>(|place| self.fields[place][cell]);
-        let step = law.complete_step(read(&stress_places), read(&excess_places));
-        self.store_tensor(cell, &stress_places, &step.stress);
-        self.store_tensor(cell, &excess_places, &step.excess);
+        let [stress, excess] = self.stress_and_excess::<SHEAR_COUNT>(cell);
+        let step = law.complete_step(stress, excess);
+        self.store_stress_and_excess(cell, [&step.stress, &step.excess]);
         self.add_contact_loss(step.energy_loss);
     }
 
