@@ -300,7 +300,7 @@ impl From<FormatArgument> for OutputFormat {
 
 /// Kinds of which there are templates.
 fn template_kinds() -> impl Iterator<Item = ModelKind> {
-    ModelKind::all_kinds().into_iter().chain([ModelKind::Rheology, ModelKind::Equations])
+    ModelKind::all_kinds().into_iter().chain(ModelKind::WITHOUT_ENTRY)
 }
 
 fn parse_kind(name: String) -> Result<ModelKind, String> {

@@ -126,9 +126,7 @@ fn former_names_print_a_warning() {
 #[test]
 fn new_overwrites_existing_case_only_with_force() {
     let here = create_folder(TEST_FOLDER, "new");
-    for kind in
-        ModelKind::all_kinds().into_iter().chain([ModelKind::Rheology, ModelKind::Equations])
-    {
+    for kind in ModelKind::all_kinds().into_iter().chain(ModelKind::WITHOUT_ENTRY) {
         let verbs: &[&str] = match kind {
             ModelKind::Flow(_) => &["point", "map"],
             ModelKind::Solid(_) => &["dispersion"],

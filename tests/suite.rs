@@ -27,6 +27,8 @@ mod dispersion;
 mod documents;
 #[path = "dry_run.rs"]
 mod dry_run;
+#[path = "equations_in_space.rs"]
+mod equations_in_space;
 #[path = "extreme_numbers.rs"]
 mod extreme_numbers;
 #[path = "flow.rs"]

@@ -6,6 +6,8 @@
 use crate::growth::{Assessment, Verdict};
 use crate::pencil::Pencil;
 use models::common::elementary::Elementary;
+use num_complex::Complex64;
+use std::cell::RefCell;
 use std::f64::consts::PI;
 
 /// Finite supremum of the growth rate over wave vectors.
@@ -80,7 +82,11 @@ fn search_supremum(
     if low >= high {
         return None;
     }
-    let rate = |log_k: f64, direction: f64| growth_rate_at(pencil, log_k, direction);
+    // Neighbouring waves have similar roots.
+    let nearby_roots = RefCell::new(Vec::new());
+    let rate = |log_k: f64, direction: f64| {
+        growth_rate_at(pencil, log_k, direction, &mut nearby_roots.borrow_mut())
+    };
     // Search coordinates (log k, position): the position is the direction θ, or asinh(k(θ − θ_c)) around a degenerate
     // direction θ_c.
     let mut centres = vec![None];
@@ -129,18 +135,25 @@ fn search_supremum(
     })
 }
 
-/// Largest Re ς, 1/s, at the logarithm of the wave number in the scaled unit and a direction (rad).
-fn growth_rate_at(pencil: &Pencil, log_k: f64, direction: f64) -> f64 {
+/// Largest Re ς, 1/s, at the logarithm of the wave number in the scaled unit and a direction (rad). Starts from the roots
+/// `nearby_roots` (1/s), if there is one per root, and replaces them by those found.
+fn growth_rate_at(
+    pencil: &Pencil,
+    log_k: f64,
+    direction: f64,
+    nearby_roots: &mut Vec<Complex64>,
+) -> f64 {
     let wave_number = pencil.polynomial.wave_number_unit * log_k.cr_exp();
-    let roots = pencil.polynomial.roots(wave_number, direction, &[]);
-    roots.iter().map(|root| root.re).fold(f64::NEG_INFINITY, f64::max)
+    *nearby_roots = pencil.polynomial.roots(wave_number, direction, nearby_roots);
+    nearby_roots.iter().map(|root| root.re).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Largest Re ς, 1/s, in a direction (rad) at `count` wave numbers from the smallest to the largest one of the search.
 pub(crate) fn sample_growth(pencil: &Pencil, direction: f64, count: usize) -> f64 {
     let (low, high) = (MIN_WAVE_NUMBER.cr_ln(), MAX_WAVE_NUMBER.cr_ln());
     let log_k = |index: usize| low + (high - low) * (index as f64 + 0.5) / count as f64;
-    let rates = (0..count).map(|index| growth_rate_at(pencil, log_k(index), direction));
+    let mut roots = Vec::new();
+    let rates = (0..count).map(|index| growth_rate_at(pencil, log_k(index), direction, &mut roots));
     rates.fold(f64::NEG_INFINITY, f64::max)
 }
 

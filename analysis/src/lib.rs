@@ -32,6 +32,7 @@ pub mod acoustic_tensor2;
 pub mod acoustic_tensor3;
 pub mod bloch;
 pub mod bound;
+mod brute_force;
 pub mod characteristics;
 mod corner_factors;
 mod dense;

@@ -36,6 +36,9 @@ struct BoundedCoefficient {
     expansion_error_bound: f64,
 }
 
+/// Factor by which the polynomial must exceed its rounding bound for growth to be certain: the direction is rounded too.
+const ROUNDING_MARGIN: f64 = 16.0;
+
 /// Upper bound on the relative error of a double-double product and sum.
 const EXTENDED_ROUNDOFF: f64 = 1e-30;
 
@@ -370,6 +373,11 @@ impl DispersionPolynomial {
     /// vector k = `k` (cos θ, sin θ), by ascending power. Leading coefficients that are zero within their rounding
     /// bound are omitted (but for the last one left), so the degree is the number of finite roots.
     pub fn coefficients_at(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
+        self.bounded_coefficients_at(k, direction).0
+    }
+
+    /// The [`coefficients_at`](Self::coefficients_at) a wave vector, and bounds on their errors.
+    fn bounded_coefficients_at(&self, k: f64, direction: f64) -> (Vec<ExtendedComplex>, Vec<f64>) {
         let (sin, cos) = direction.cr_sin_cos();
         let k_scaled = k / self.wave_number_unit;
         let powers = |x: f64| {
@@ -407,7 +415,23 @@ impl DispersionPolynomial {
             result.pop();
             bounds.pop();
         }
-        result
+        (result, bounds)
+    }
+
+    /// Largest Re ς, 1/s, at the wave number `k` (1/m) and `direction` (rad) among the roots whose growth is certain:
+    /// the polynomial differs from zero by more than its rounding bound at the point of the imaginary axis beside the
+    /// root. 0 without such a root.
+    pub(crate) fn certain_growth_rate(&self, k: f64, direction: f64) -> f64 {
+        let (coefficients, bounds) = self.bounded_coefficients_at(k, direction);
+        let is_certain = |root: &Complex64| {
+            let beside = Complex64::new(0.0, root.im);
+            let (value, _) = roots::evaluate_extended(&coefficients, beside);
+            let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.im.abs() + own);
+            root.re > 0.0 && value.norm() > ROUNDING_MARGIN * bound
+        };
+        let roots = roots::solve_extended(&coefficients, &[]);
+        roots.iter().filter(|root| is_certain(root)).fold(0.0, |sum: f64, own| sum.max(own.re))
+            * self.rate_unit
     }
 
     /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad), by the Aberth–Ehrlich

@@ -5,6 +5,9 @@ use crate::list::{StackList, list};
 use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
+/// Relative error of a complex product and sum of double-double numbers.
+const EXTENDED_EVALUATION_ERROR: f64 = 1e-30;
+
 /// Maximum number of Aberth–Ehrlich iterations.
 const MAX_ITERATIONS: usize = 200;
 
@@ -46,17 +49,32 @@ pub fn solve_extended(
     let (coefficients, rounded) = (&coefficients[zeros..], &rounded[zeros..]);
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
+    let rounding = EXTENDED_EVALUATION_ERROR * rounded.len() as f64;
     let mut roots = iterate_aberth(rounded, &mut start, |x| {
-        let at = ExtendedComplex { re: x.re.into(), im: x.im.into() };
-        let (mut value, mut slope) = (ExtendedComplex::default(), Complex64::ZERO);
-        for c in coefficients.iter().rev() {
-            slope = slope * x + Complex64::new(value.re.high, value.im.high);
-            value = value * at + *c;
-        }
-        (Complex64::new(value.re.high, value.im.high), slope)
+        let (value, slope) = evaluate_extended(coefficients, x);
+        // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
+        // where the value is rounding.
+        let size = x.norm();
+        let terms = rounded.iter().rev().fold(0.0, |sum, c| sum * size + c.norm());
+        if value.norm() <= rounding * terms { (Complex64::ZERO, slope) } else { (value, slope) }
     });
     roots.extend(std::iter::repeat_n(Complex64::ZERO, zeros));
     roots
+}
+
+/// Value and derivative at x of a polynomial with double-double coefficients, by Horner's scheme; the value in
+/// double-double precision.
+pub(crate) fn evaluate_extended(
+    coefficients: &[ExtendedComplex],
+    x: Complex64,
+) -> (Complex64, Complex64) {
+    let at = ExtendedComplex { re: x.re.into(), im: x.im.into() };
+    let (mut value, mut slope) = (ExtendedComplex::default(), Complex64::ZERO);
+    for c in coefficients.iter().rev() {
+        slope = slope * x + Complex64::new(value.re.high, value.im.high);
+        value = value * at + *c;
+    }
+    (Complex64::new(value.re.high, value.im.high), slope)
 }
 
 /// Value and derivative of the polynomial at x, by Horner's scheme.

@@ -4,10 +4,13 @@
 //! layers included. Planes are taken through the axes x₃ and x₁, at steps of [`PLANE_STEP_DEG`]; every wave vector lies
 //! within half a step of one of them. Around the plane of fastest growth the angle is refined by golden-section search.
 //! Where the planes cross curves on which a leading coefficient vanishes, up to [`MAX_CURVE_POINTS`] of the crossings are
-//! assessed in the planes normal to the curve too, since a plane that touches a curve resolves its layer badly.
+//! assessed in the planes normal to the curve too, since a plane that touches a curve resolves its layer badly. If no
+//! plane shows growth, waves beside these points are searched by brute force to k = 1e8 in the scaled unit; growth found
+//! there alone leaves the verdict open: marginal.
 
 use crate::AnalysisError;
 use crate::bound::{self, Supremum};
+use crate::brute_force::{self, sample_growth_order};
 use crate::growth::{self, Assessment, Verdict};
 use crate::line_search::search_golden_section;
 use crate::newton_polygon::GrowthOrder;
@@ -130,6 +133,7 @@ pub fn assess_space(
     }
     // Evenly spaced crossings: each plane meets a curve in few points.
     let skipped = curve_points.len().div_ceil(MAX_CURVE_POINTS).max(1);
+    let mut sampled: Option<(f64, Plane)> = None;
     for point in curve_points.iter().step_by(skipped) {
         let Some(normal) = point.normal_plane(system, workspace)? else { continue };
         let found = assess_plane(system, &normal, workspace)?;
@@ -137,6 +141,22 @@ pub fn assess_space(
         if own.is_above(&rank) {
             (rank, plane, assessment) = (own, normal, found);
         }
+        if rank == Rank::WellPosed {
+            let order = sample_growth_order(&workspace.pencil, 0.0);
+            if order > sampled.map_or(0.0, |(largest, _)| largest) {
+                sampled = Some((order, normal));
+            }
+        }
+    }
+    if let Some((order, normal)) = sampled.filter(|_| rank == Rank::WellPosed) {
+        plane = normal;
+        assessment.verdict = Verdict::Marginal {
+            quantity:
+                "order of growth beside a curve of vanishing coefficients, by brute force only"
+                    .to_owned(),
+            value: order,
+            rounding: brute_force::LEAST_ORDER,
+        };
     }
     // Leave the pencil of the plane that decides in the workspace.
     assess_plane(system, &plane, workspace)?;

@@ -5,6 +5,7 @@ use super::error::CaseError;
 use super::flow::ZERO_IN_UNIFORM_FLOW;
 use super::keys::{Key, keys};
 use super::kind::{ModelKind, join_names};
+use super::material::Material;
 use super::value::CaseValue;
 use models::InputError;
 use models::common::decimal::{format_exact, format_rounded};
@@ -119,21 +120,8 @@ impl Case {
     /// constants.
     pub fn model_constants(&self) -> Vec<f64> {
         let mut constants = Vec::new();
-        match self.material.kind {
-            ModelKind::Flow(flow) => {
-                self.material
-                    .numbers
-                    .model_constants
-                    .collect_si_values(flow.parameters(), &mut constants);
-            }
-            ModelKind::Solid(solid) => {
-                self.material
-                    .numbers
-                    .model_constants
-                    .collect_si_values(solid.parameters, &mut constants);
-            }
-            ModelKind::Rheology | ModelKind::Equations => {}
-        }
+        let Material { kind, numbers, .. } = &self.material;
+        numbers.model_constants.collect_si_values(kind.parameters(), &mut constants);
         constants
     }
 

@@ -159,14 +159,19 @@ impl SolidRun {
         };
         let components = StateComponent::all_components(theory, grid.dimensions());
         let history = match material.contacts {
-            Some(ContactMedium::Porous { .. }) => StateComponent::CONTACT_COMPONENTS.to_vec(),
+            Some(ContactMedium::Porous { contact_cone: None, .. }) => {
+                StateComponent::CONTACT_COMPONENTS.to_vec()
+            }
             _ => Vec::new(),
         };
+        let has_pore_cones =
+            matches!(material.contacts, Some(ContactMedium::Porous { contact_cone: Some(_), .. }));
         let reader = SolidReader {
             grid: &grid,
             theory,
             state_components: components,
             history_components: history,
+            has_pore_cones,
             case_folder: folder,
         };
         let regions = reader.read_regions(root, &read_material)?;

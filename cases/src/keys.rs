@@ -119,12 +119,7 @@ impl SweepParameter {
     /// the parameter is not a constant of the model.
     pub fn model_constant(self, kind: ModelKind) -> Option<(usize, &'static Parameter)> {
         let KeyStorage::ModelConstant(name) = self.key.storage else { return None };
-        let constants = match kind {
-            ModelKind::Flow(flow) => flow.parameters(),
-            ModelKind::Solid(solid) => solid.parameters,
-            ModelKind::Rheology | ModelKind::Equations => return None,
-        };
-        constants.iter().enumerate().find(|(_, own)| own.name == name)
+        kind.parameters().iter().enumerate().find(|(_, own)| own.name == name)
     }
 
     /// Returns the value of the parameter, if present.

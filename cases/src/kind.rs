@@ -1,6 +1,7 @@
 //! Kinds of model and media of a case.
 
 use crate::equations::EQUATIONS_KIND;
+use models::common::parameter::Parameter;
 use models::flow::{FlowKind, RotationKind};
 use models::registry;
 pub use models::solid::SolidKind;
@@ -105,6 +106,9 @@ impl ModelKind {
         }
     }
 
+    /// Kinds without a registry entry, whose cases have sections of their own.
+    pub const WITHOUT_ENTRY: [Self; 2] = [Self::Equations, Self::Rheology];
+
     /// Returns all kinds that a section `[model]` can name, flows first, in the order of listings.
     pub fn all_kinds() -> Vec<Self> {
         Self::flow_kinds().into_iter().chain(Self::solid_kinds()).collect()
@@ -137,6 +141,15 @@ impl ModelKind {
             Self::Solid(solid) => solid.title,
             Self::Rheology => "rheological scheme",
             Self::Equations => "model given as equations",
+        }
+    }
+
+    /// Returns the constants of the registry entry; none without an entry.
+    pub fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::Flow(flow) => flow.parameters(),
+            Self::Solid(solid) => solid.parameters,
+            Self::Rheology | Self::Equations => &[],
         }
     }
 

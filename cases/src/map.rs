@@ -41,10 +41,16 @@ impl ParameterSweep {
     ///
     /// The only division is the last operation, so that whole numbers between two whole-number ends are exact.
     pub fn sweep_value(&self, index: usize) -> f64 {
-        if index == 0 || self.point_count < 2 {
+        self.value_at(index as f64)
+    }
+
+    /// Computes the value at a position between two numbers of [`sweep_value`](Self::sweep_value), such as 2.5 in the
+    /// middle between the values with the numbers 2 and 3.
+    pub fn value_at(&self, position: f64) -> f64 {
+        if position == 0.0 || self.point_count < 2 {
             return self.first_value;
         }
-        let (last, index) = ((self.point_count - 1) as f64, index as f64);
+        let (last, index) = ((self.point_count - 1) as f64, position);
         let value = (self.first_value * (last - index) + self.last_value * index) / last;
         if value.is_finite() {
             value

@@ -29,6 +29,16 @@ named_enum! {
 }
 
 named_enum! {
+    /// Arrangement of spring and dashpot of viscous particles.
+    DashpotArrangement {
+        /// Dashpot and spring in series: Maxwell.
+        Series = "series",
+        /// Dashpot and spring in parallel: Kelvin–Voigt.
+        Parallel = "parallel"
+    }
+}
+
+named_enum! {
     /// Shape in time of a pulse that meets a free end.
     SpallShape {
         /// Constant velocity.
@@ -58,8 +68,10 @@ pub enum ContactMedium {
         yield_stress: Option<f64>,
         /// Coefficient c² of the intensity of shear stress.
         intensity_coefficient: f64,
-        /// Viscosities η_s of shear and η_v of volume of the particles, Pa·s; `None`: no relaxation.
+        /// Viscosities η_s of shear and η_v of volume of the particles, Pa·s; `None`: no viscosity.
         viscosities: [Option<f64>; 2],
+        /// Arrangement of spring and dashpot.
+        dashpot: DashpotArrangement,
     },
     /// Section `[porous]`.
     Porous {
@@ -183,6 +195,17 @@ pub(super) fn read_loads(
 }
 
 fn read_granular(section: SectionReader) -> Result<ContactMedium, CaseError> {
+    let arrangement = section.read_optional_choice(
+        "dashpot",
+        DashpotArrangement::ALL,
+        DashpotArrangement::name,
+    )?;
+    let is_viscous = ["shear_viscosity", "bulk_viscosity"].iter().any(|key| section.has_key(key));
+    if let (Some(own), false) = (arrangement, is_viscous) {
+        let allowed = "add shear_viscosity or bulk_viscosity, in Pa·s, or leave it out";
+        let found = format!("found '{}' for particles without viscosity", own.name());
+        return Err(section.key_error("dashpot", found, allowed));
+    }
     let medium = ContactMedium::Granular {
         friction: section.read_required("friction")?,
         yield_stress: section.read_optional("yield_stress")?,
@@ -191,6 +214,7 @@ fn read_granular(section: SectionReader) -> Result<ContactMedium, CaseError> {
             section.read_optional("shear_viscosity")?,
             section.read_optional("bulk_viscosity")?,
         ],
+        dashpot: arrangement.unwrap_or_default(),
     };
     section.finish()?;
     Ok(medium)
@@ -289,13 +313,18 @@ impl ContactMedium {
                 yield_stress,
                 intensity_coefficient,
                 viscosities: [shear_viscosity, bulk_viscosity],
+                dashpot,
             } => {
                 let text = TableWriter::default().with_number("friction", friction);
                 let text = with_limit(text, yield_stress)
                     .with_number("intensity_coefficient", intensity_coefficient);
                 let text = with_number(text, "shear_viscosity", shear_viscosity);
-                with_number(text, "bulk_viscosity", bulk_viscosity)
-                    .to_section_toml(&GRANULAR_SCHEMA)
+                let text = with_number(text, "bulk_viscosity", bulk_viscosity);
+                match (shear_viscosity, bulk_viscosity) {
+                    (None, None) => text,
+                    _ => text.with_text("dashpot", dashpot.name()),
+                }
+                .to_section_toml(&GRANULAR_SCHEMA)
             }
             Self::Porous {
                 porosity,

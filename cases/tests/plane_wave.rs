@@ -52,6 +52,8 @@ fn sections_are_read_and_written() {
         ),
         POROUS.replace("pressure = 1e9", "speed = 10\nduration = 1e-5\nprofile_time = 2e-5"),
         POROUS.replace("yield_stress = 4e7\n", ""),
+        RUN.replace("friction = 0.5", "friction = 0.5\nbulk_viscosity = 2\ndashpot = 'parallel'"),
+        RUN.replace("friction = 0.5", "friction = 0.5\nshear_viscosity = 2"),
     ] {
         let case = parse(&text).unwrap();
         assert!(case.material.contacts.is_some());
@@ -224,6 +226,18 @@ fn wrong_sections_are_refused_with_line_and_key() {
             "friction = 0.5",
             "friction = -0.5",
             "x.toml:8: granular.friction: found the number -0.5;",
+        ),
+        (
+            GRANULAR,
+            "friction = 0.5",
+            "friction = 0.5\ndashpot = 'parallel'",
+            "x.toml:9: granular.dashpot: found 'parallel' for particles without viscosity; add shear_viscosity",
+        ),
+        (
+            GRANULAR,
+            "friction = 0.5",
+            "friction = 0.5\nshear_viscosity = 1\ndashpot = 'paralel'",
+            "x.toml:10: granular.dashpot: found 'paralel'; did you mean 'parallel'?",
         ),
         (GRANULAR, "[granular]\nfriction = 0.5\n", "", "piston: found without a medium;"),
         (GRANULAR, "shape = 'triangle'", "shape = 'sine'", "x.toml:15: spall.shape: found 'sine';"),

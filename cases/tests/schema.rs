@@ -307,9 +307,7 @@ fn bundled_resolved_and_template_cases_are_valid() {
         check(&name, &text);
         check(&name, &Case::load(&file, &[]).expect("a case").to_toml());
     }
-    for medium in
-        MediumKind::all_media().chain([ModelKind::Rheology.into(), ModelKind::Equations.into()])
-    {
+    for medium in MediumKind::all_media().chain(ModelKind::WITHOUT_ENTRY.map(MediumKind::from)) {
         for purpose in ALL_TEMPLATES {
             let text = generate_template(medium, purpose);
             check(&medium.title(), &text);

@@ -120,7 +120,7 @@ fn porous_medium(dimensions: usize) -> Medium {
         contact: PoreContact::Spherical,
     };
     let medium = PorousMedium::new(parameters).expect("sound constants");
-    let law = ContactLaw::from_porous(&medium).expect("a spherical contact");
+    let law = ContactLaw::from_porous(&medium);
     Medium::with_contact(law, dimensions)
 }
 

@@ -152,12 +152,7 @@ impl BandPanel<'_> {
                         curve.iter().map(|point| self.to_point(*point)).collect();
                     for part in clip_polyline(&points, frame) {
                         let style = family.style;
-                        picture.draw_dashed_line(
-                            &part,
-                            style.dashes(),
-                            style.width(),
-                            style.colour(),
-                        );
+                        picture.draw_curve(&part, style.dashes(), style.width(), style.colour());
                     }
                 }
             }

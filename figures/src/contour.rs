@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::picture::Point;
 
 /// An edge between neighbouring grid points: its lower point (i, j) and whether it is along y.
-type GridEdge = (usize, usize, bool);
+pub(crate) type GridEdge = (usize, usize, bool);
 
 /// Computes the contour lines at `level` in units of the grid spacing: grid point (i, j) is at [i, j]. Values between
 /// grid points are interpolated linearly; squares with a non-finite corner have no lines. Closed lines end at their
@@ -61,7 +61,7 @@ fn add_square_segments(
 }
 
 /// Joins segments that share an edge into lines; at most two segments meet on an edge.
-fn join_segments(segments: &[[GridEdge; 2]]) -> Vec<Vec<GridEdge>> {
+pub(crate) fn join_segments(segments: &[[GridEdge; 2]]) -> Vec<Vec<GridEdge>> {
     let mut at: HashMap<GridEdge, [Option<usize>; 2]> = HashMap::with_capacity(segments.len() + 1);
     for (index, piece) in segments.iter().enumerate() {
         for edge in piece {

@@ -2,7 +2,7 @@
 
 use crate::error::FigureError;
 use crate::format::FigureFormat;
-use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle, draw_marker_with_radius};
+use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{INK, PALE_INK, Picture, Point, Rectangle, WHITE, clip_polyline, text_width};
 use crate::scale::{self, FINITE_LIMIT, Tick};
@@ -54,9 +54,6 @@ const ARROW_SPACING: f64 = 170.0;
 /// Maximum number of arrowheads, so that they stay legible on paths of many cycles.
 const MAX_ARROWS: f64 = 24.0;
 const END_RADIUS: f64 = 9.0;
-const MARKER_RADIUS: f64 = 6.5;
-/// Distance between the markers of one curve, pixels.
-const MARKER_SPACING: f64 = 160.0;
 /// Gap between the panels, pixels.
 const PANEL_GAP: f64 = 44.0;
 
@@ -280,21 +277,11 @@ impl DiagramFigure {
     fn draw_curves(&self, picture: &mut Picture, panel: &Panel) {
         let ticks = panel.ticks();
         panel.draw_grid(picture, &ticks);
-        let count = self.curves.len();
         for (index, curve) in self.curves.iter().enumerate() {
             let style = LineStyle::from_index(index);
-            let spacing = MARKER_SPACING.max(56.0 * count as f64);
-            // The first marker of each curve is shifted, so that markers of coincident curves are all visible.
-            let mut next = panel.frame.left + spacing * (index as f64 + 0.5) / count as f64;
             for line in panel.lines(&curve.points) {
                 for piece in clip_polyline(&line, panel.frame) {
-                    picture.draw_dashed_line(&piece, style.dashes, LINE_WIDTH, style.colour);
-                }
-                for point in line {
-                    if point[0] >= next {
-                        draw_marker_with_radius(picture, point, &style, MARKER_RADIUS);
-                        next += spacing * ((point[0] - next) / spacing + 1.0).floor();
-                    }
+                    style.draw(picture, &piece);
                 }
             }
         }
@@ -318,11 +305,7 @@ impl DiagramFigure {
         ];
         for (index, curve) in self.curves.iter().enumerate() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let style = LineStyle::from_index(index);
-                let [x, y] = middle(area);
-                let ends = [[area.left, y], [area.right, y]];
-                picture.draw_dashed_line(&ends, style.dashes, LINE_WIDTH, style.colour);
-                draw_marker_with_radius(picture, [x, y], &style, MARKER_RADIUS);
+                LineStyle::from_index(index).draw_swatch(picture, area);
             };
             entries.push((curve.label.clone(), Box::new(swatch)));
         }

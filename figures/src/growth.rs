@@ -69,49 +69,49 @@ pub struct GrowthFigure {
 const REFERENCE_LINE_COLOUR: Colour = RGBColor(203, 205, 214);
 const REFERENCE_LINE_WIDTH: f64 = 11.0;
 
-/// Style of a line; any two of the styles differ in colour and in greyscale.
+/// Style of a line; any two of the styles differ in colour and in greyscale. Lines have no markers: those would look like
+/// data points.
 #[derive(Clone, Copy)]
 pub(crate) struct LineStyle {
     pub colour: Colour,
     pub dashes: &'static [f64],
-    marker: Marker,
-}
-
-#[derive(Clone, Copy)]
-enum Marker {
-    None,
-    Disc,
-    Square,
-    Triangle,
-    Diamond,
-    OpenDisc,
-    InvertedTriangle,
-    OpenSquare,
+    /// Width, pixels.
+    pub width: f64,
 }
 
 /// Styles of lines; colours after Okabe and Ito (2008), distinguishable by colour-blind readers.
 pub(crate) const LINE_STYLES: [LineStyle; 8] = [
-    LineStyle::new(RGBColor(0, 0, 0), &[], Marker::None),
-    LineStyle::new(RGBColor(213, 94, 0), &[16.0, 8.0], Marker::Disc),
-    LineStyle::new(RGBColor(0, 114, 178), &[4.0, 6.0], Marker::Square),
-    LineStyle::new(RGBColor(0, 138, 100), &[20.0, 6.0, 4.0, 6.0], Marker::Triangle),
-    LineStyle::new(RGBColor(176, 80, 140), &[], Marker::Diamond),
-    LineStyle::new(RGBColor(150, 110, 0), &[28.0, 7.0], Marker::OpenDisc),
-    LineStyle::new(RGBColor(70, 150, 205), &[9.0, 5.0], Marker::InvertedTriangle),
-    LineStyle::new(RGBColor(112, 112, 112), &[3.0, 5.0, 12.0, 5.0], Marker::OpenSquare),
+    LineStyle::new(RGBColor(0, 0, 0), &[], LINE_WIDTH),
+    LineStyle::new(RGBColor(213, 94, 0), &[18.0, 8.0], LINE_WIDTH),
+    LineStyle::new(RGBColor(0, 114, 178), &[4.5, 6.0], 4.4),
+    LineStyle::new(RGBColor(0, 138, 100), &[20.0, 6.0, 4.0, 6.0], LINE_WIDTH),
+    LineStyle::new(RGBColor(176, 80, 140), &[], 1.8),
+    LineStyle::new(RGBColor(150, 110, 0), &[34.0, 7.0], 2.6),
+    LineStyle::new(RGBColor(70, 150, 205), &[9.0, 5.0], 5.2),
+    LineStyle::new(RGBColor(112, 112, 112), &[4.0, 5.0, 4.0, 5.0, 16.0, 5.0], LINE_WIDTH),
 ];
 
 impl LineStyle {
-    const fn new(colour: Colour, dashes: &'static [f64], marker: Marker) -> Self {
-        Self { colour, dashes, marker }
+    const fn new(colour: Colour, dashes: &'static [f64], width: f64) -> Self {
+        Self { colour, dashes, width }
     }
 
     /// Returns the style of the line with this index in the legend. Beyond eight lines, colours are combined with other
-    /// dash patterns and markers.
+    /// dash patterns and widths.
     pub fn from_index(index: usize) -> Self {
         let count = LINE_STYLES.len();
         let other = LINE_STYLES[(index + index / count) % count];
         Self { colour: LINE_STYLES[index % count].colour, ..other }
+    }
+
+    pub fn draw(&self, picture: &mut Picture, points: &[Point]) {
+        picture.draw_curve(points, self.dashes, self.width, self.colour);
+    }
+
+    /// Draws the swatch of a line across the middle of an area.
+    pub fn draw_swatch(&self, picture: &mut Picture, area: Rectangle) {
+        let middle = 0.5 * (area.top + area.bottom);
+        self.draw(picture, &[[area.left, middle], [area.right, middle]]);
     }
 }
 
@@ -119,9 +119,6 @@ impl LineStyle {
 pub(crate) const LINEAR_RANGE_COLOUR: Colour = RGBColor(240, 240, 236);
 pub(crate) const GRID_COLOUR: Colour = RGBColor(226, 226, 226);
 pub(crate) const LINE_WIDTH: f64 = 3.4;
-const MARKER_RADIUS: f64 = 8.0;
-/// Distance between the markers of a line, pixels.
-pub(crate) const MARKER_SPACING: f64 = 84.0;
 /// Font size of the labels above marks, pixels.
 const MARK_LABEL_SIZE: f64 = 22.0;
 const MARK_ROW_HEIGHT: f64 = 1.35 * MARK_LABEL_SIZE;
@@ -260,21 +257,10 @@ impl GrowthFigure {
         let labels = self.distinct_labels();
         for line in &panel.curves {
             let index = labels.iter().position(|label| *label == line.label).unwrap_or(0);
-            let style = &LINE_STYLES[index % LINE_STYLES.len()];
+            let style = LineStyle::from_index(index);
             let points = places(line, lowest, highest);
             for part in clip_polyline(&points, frame) {
-                picture.draw_dashed_line(&part, style.dashes, LINE_WIDTH, style.colour);
-            }
-            // The first marker of each line is shifted, so that markers of coincident lines are all visible.
-            let mut next_marker_x = frame.left + MARKER_SPACING * (0.25 + 0.28 * index as f64);
-            let inside = |[x, y]: Point| {
-                x >= frame.left && x <= frame.right && y >= frame.top && y <= frame.bottom
-            };
-            for &point in points.iter().filter(|&&point| inside(point)) {
-                if point[0] >= next_marker_x {
-                    draw_marker(picture, point, style);
-                    next_marker_x = point[0] + MARKER_SPACING;
-                }
+                style.draw(picture, &part);
             }
         }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
@@ -306,55 +292,11 @@ pub(crate) fn build_line_entries(labels: &[&str]) -> Vec<LegendEntry> {
     let mut entries: Vec<LegendEntry> = Vec::new();
     for (index, label) in labels.iter().enumerate() {
         let swatch = move |picture: &mut Picture, area: Rectangle| {
-            let style = &LINE_STYLES[index % LINE_STYLES.len()];
-            let middle = 0.5 * (area.top + area.bottom);
-            let ends = [[area.left, middle], [area.right, middle]];
-            picture.draw_dashed_line(&ends, style.dashes, LINE_WIDTH, style.colour);
-            draw_marker(picture, [0.5 * (area.left + area.right), middle], style);
+            LineStyle::from_index(index).draw_swatch(picture, area);
         };
         entries.push(((*label).to_owned(), Box::new(swatch)));
     }
     entries
-}
-
-pub(crate) fn draw_marker(picture: &mut Picture, at: Point, style: &LineStyle) {
-    draw_marker_with_radius(picture, at, style, MARKER_RADIUS);
-}
-
-/// Draws a marker with a radius in pixels.
-pub(crate) fn draw_marker_with_radius(
-    picture: &mut Picture,
-    [x, y]: Point,
-    style: &LineStyle,
-    radius: f64,
-) {
-    let turned = |r: f64, sign: f64| {
-        vec![
-            [x, y - sign * r],
-            [x + 0.9 * r, y + sign * 0.6 * r],
-            [x - 0.9 * r, y + sign * 0.6 * r],
-        ]
-    };
-    let square = |r: f64| vec![[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]];
-    let shape = |radius: f64| match style.marker {
-        Marker::None => None,
-        Marker::Disc | Marker::OpenDisc => Some(crate::picture::circle_points([x, y], radius, 24)),
-        Marker::Square | Marker::OpenSquare => Some(square(0.88 * radius)),
-        Marker::Triangle => Some(turned(1.2 * radius, 1.0)),
-        Marker::InvertedTriangle => Some(turned(1.2 * radius, -1.0)),
-        Marker::Diamond => {
-            let r = 1.2 * radius;
-            Some(vec![[x, y - r], [x + r, y], [x, y + r], [x - r, y]])
-        }
-    };
-    if let (Some(rim), Some(body)) = (shape(radius + 2.0), shape(radius)) {
-        picture.fill_polygon(rim, WHITE);
-        picture.fill_polygon(body, style.colour);
-    }
-    if let (Marker::OpenDisc | Marker::OpenSquare, Some(hole)) = (style.marker, shape(0.5 * radius))
-    {
-        picture.fill_polygon(hole, WHITE);
-    }
 }
 
 /// Ranges of a panel: horizontally in the unit of the axis or its log₁₀, vertically in positions of the symmetric

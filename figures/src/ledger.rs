@@ -117,8 +117,8 @@ mod tests {
     fn residual_has_its_own_panel_and_scale() {
         let residual = sample_figure(3, 500, |time| 3e-13 * (9.0 * time).sin());
         let texts = picture_texts(&residual.to_record_figure());
-        assert!(texts.contains(&"2×10⁻¹³".to_owned()), "{texts:?}");
-        assert!(texts.contains(&"balance, share of the energy".to_owned()));
+        assert!(texts.contains(&"2".to_owned()), "{texts:?}");
+        assert!(texts.contains(&"balance, share of the energy (×10⁻¹³)".to_owned()), "{texts:?}");
         let mut without = residual;
         without.residual.values.clear();
         assert!(

@@ -56,7 +56,7 @@ pub use seismogram::{SeismogramFigure, SeismogramPanel, Trace};
 pub use spectrum::SpectrumFigure;
 pub use speeds::{SolidResponse, SpeedCurve, SpeedsFigure, ZeroSpeedNormal};
 pub use sphere::{SphereFigure, SphereMark};
-pub use verdict_map::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+pub use verdict_map::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 
 #[cfg(test)]
 mod tests {

@@ -101,10 +101,10 @@ pub(crate) fn heading_bottom(title: &str, subtitle: &str) -> f64 {
 fn draw_heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64 {
     let width = f64::from(picture.width) - 2.0 * MARGIN;
     let mut bottom = MARGIN;
-    for (text, size, is_bold, colour) in
-        [(title, TITLE_SIZE, true, INK), (subtitle, SUBTITLE_SIZE, false, PALE_INK)]
+    for (text, size, is_bold, colour, max_lines) in
+        [(title, TITLE_SIZE, true, INK, 2), (subtitle, SUBTITLE_SIZE, false, PALE_INK, 3)]
     {
-        for line in wrap_text(text, size, is_bold, width, 2) {
+        for line in wrap_text(text, size, is_bold, width, max_lines) {
             let at = [MARGIN, bottom + 0.76 * size];
             picture.draw_text(Text { is_bold, colour, ..Text::new(at, Anchor::Start, size, line) });
             bottom += 1.3 * size;

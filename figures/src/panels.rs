@@ -25,7 +25,7 @@ pub struct CurvePanel {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Panels in rows of two, with one legend.
+/// Panels in rows of two, a single one across the figure, with one legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelsFigure {
     /// Title of the figure.
@@ -61,7 +61,10 @@ impl PanelsFigure {
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
         let height = (top + rows * row_height + legend.height() + MARGIN).ceil();
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
-        let width = 0.5 * (page::WIDTH - 2.0 * MARGIN - COLUMN_GAP);
+        let width = match self.panels.len() {
+            1 => page::WIDTH - 2.0 * MARGIN,
+            _ => 0.5 * (page::WIDTH - 2.0 * MARGIN - COLUMN_GAP),
+        };
         for (index, panel) in self.panels.iter().enumerate() {
             let left = MARGIN + (index % 2) as f64 * (width + COLUMN_GAP);
             let top = top + (index / 2) as f64 * row_height;
@@ -88,8 +91,7 @@ impl PanelsFigure {
         for (index, label) in labels.iter().enumerate() {
             let style = LineStyle::from_index(index);
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let ends = swatch_line(area);
-                picture.draw_dashed_line(&ends, style.dashes, LINE_WIDTH, style.colour);
+                style.draw_swatch(picture, area);
             };
             entries.push(((*label).to_owned(), Box::new(swatch)));
         }
@@ -151,10 +153,10 @@ impl CurvePanel {
         }
         for curve in &self.curves {
             let index = labels.iter().position(|label| *label == curve.label);
-            let style = index.map(LineStyle::from_index);
-            let (dashes, colour) = style.map_or((&[][..], INK), |own| (own.dashes, own.colour));
+            let plain = LineStyle { colour: INK, dashes: &[], width: LINE_WIDTH };
+            let style = index.map_or(plain, LineStyle::from_index);
             for part in parts(curve) {
-                picture.draw_dashed_line(&part, dashes, LINE_WIDTH, colour);
+                style.draw(picture, &part);
             }
         }
         for point in self.points.iter().filter(|p| p.iter().all(|own| own.abs() < FINITE_LIMIT)) {

@@ -4,11 +4,10 @@ use plotters::style::RGBColor;
 
 use crate::error::FigureError;
 use crate::format::FigureFormat;
-use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle, draw_marker_with_radius};
+use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{
-    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline, polyline_length,
-    text_width,
+    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline, text_width,
 };
 use crate::scale::{self, FINITE_LIMIT, Tick};
 use crate::verdict_map::format_percent;
@@ -46,21 +45,15 @@ const PANEL_TITLE_SIZE: f64 = 26.0;
 const PANEL_TITLE_HEIGHT: f64 = 1.4 * PANEL_TITLE_SIZE;
 /// Gap between panels, pixels.
 const PANEL_GAP: f64 = 12.0;
-/// Ratio of line length to window width above which a line oscillates so densely that it is drawn thin.
-const DENSE_LENGTH_RATIO: f64 = 4.0;
-/// Width of the window in which the length of a line is measured, pixels.
-const DENSITY_WINDOW: f64 = 50.0;
+/// Fraction of the time axis over which the variation of a line is measured.
+const DENSITY_WINDOW: f64 = 0.04;
+/// Variation within the window, in ranges of the panel, above which a line is drawn thin and solid: more than one full
+/// oscillation in the window.
+const DENSE_VARIATION: f64 = 2.0;
 /// Width of a densely oscillating line, pixels.
 const DENSE_LINE_WIDTH: f64 = 1.8;
-/// Width, pixels, of the thin solid line drawn along a dashed line, so that no peak is lost in a gap.
-const THIN_LINE_WIDTH: f64 = 1.0;
 /// Minimum vertical distance of labelled ticks, pixels.
 const MIN_TICK_DISTANCE: f64 = 1.15 * page::TICK_LABEL_SIZE;
-const MARKER_RADIUS: f64 = 6.5;
-/// Distance between the markers of one line, pixels.
-const MARKER_SPACING: f64 = 160.0;
-/// Distance between the markers of neighbouring lines, pixels.
-const MARKER_OFFSET: f64 = 56.0;
 /// Relative change below which values are regarded as constant up to round-off.
 const ROUND_OFF_TOLERANCE: f64 = 1e-9;
 const ZERO_LINE_COLOUR: RGBColor = RGBColor(110, 110, 110);
@@ -76,6 +69,8 @@ struct RecordScale {
     low: f64,
     high: f64,
     ticks: Vec<Tick>,
+    /// Factor and offset of the numbers at the ticks, appended to the panel title: ` (×10⁻⁶)`.
+    multiplier: String,
     /// Text shown in place of a scale, e.g. for missing values.
     message: Option<String>,
 }
@@ -91,7 +86,7 @@ impl RecordScale {
         let size = low.abs().max(high.abs());
         let with_message = |message: &str, ticks: Vec<Tick>| {
             let message = Some(message.to_owned());
-            Self { low: -1.0, high: 1.0, ticks, message }
+            Self { low: -1.0, high: 1.0, ticks, multiplier: String::new(), message }
         };
         if low > high {
             let is_empty = all().next().is_none();
@@ -109,7 +104,8 @@ impl RecordScale {
             let middle = 0.5 * (low + high);
             let ends = [middle - 0.5 * size, middle + 0.5 * size];
             let ticks = vec![(middle, scale::format_number(middle))];
-            return Self { low: ends[0], high: ends[1], ticks, message: None };
+            let multiplier = String::new();
+            return Self { low: ends[0], high: ends[1], ticks, multiplier, message: None };
         }
         // Zero is included if it is near the range.
         let near = 0.5 * (high - low);
@@ -121,8 +117,8 @@ impl RecordScale {
             let margin = margin * (high - low);
             let (low, high) = (low - margin, high + margin);
             [max_ticks, max_ticks + 1].map(|max_count| {
-                let ticks = scale::linear_ticks(low, high, max_count, false);
-                Self { low, high, ticks, message: None }
+                let (ticks, multiplier) = scale::linear_ticks_with_multiplier(low, high, max_count);
+                Self { low, high, ticks, multiplier, message: None }
             })
         });
         let has_separate_ticks = |range: &Self| {
@@ -134,7 +130,8 @@ impl RecordScale {
         let with =
             |min_ticks: usize| candidates.iter().find(|range| range.ticks.len() >= min_ticks);
         let best = with(3).or_else(|| with(2)).or_else(|| with(0)).cloned();
-        best.unwrap_or(Self { low, high, ticks: Vec::new(), message: None })
+        let multiplier = String::new();
+        best.unwrap_or(Self { low, high, ticks: Vec::new(), multiplier, message: None })
     }
 
     fn fraction(&self, value: f64) -> f64 {
@@ -248,6 +245,27 @@ impl RecordFigure<'_> {
         Ok(())
     }
 
+    /// Returns the style of a record by its name: the same in all panels and in the legend.
+    fn line_style(&self, name: Option<&str>, names: &[&str]) -> LineStyle {
+        let index = name.and_then(|name| names.iter().position(|other| *other == name));
+        let plain = LineStyle { colour: INK, dashes: &[], width: LINE_WIDTH };
+        let style = index.map_or(plain, LineStyle::from_index);
+        let is_dense_in = |panel: &RecordPanel| {
+            let all = panel.series.iter().flat_map(|series| series.values).copied();
+            let [low, high] = all
+                .filter(|value| is_plottable(*value))
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                    [low.min(value), high.max(value)]
+                });
+            let mut own = panel.series.iter().filter(|series| series.name == name);
+            high > low && own.any(|series| is_dense(self.times, series.values, high - low))
+        };
+        match self.panels.iter().any(is_dense_in) {
+            true => LineStyle { dashes: &[], width: DENSE_LINE_WIDTH, ..style },
+            false => style,
+        }
+    }
+
     /// Returns the names of the legend, in the order of their first occurrence.
     fn series_names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
@@ -263,18 +281,10 @@ impl RecordFigure<'_> {
 
     fn build_legend(&self, names: &[&str]) -> Legend {
         let mut entries: Vec<LegendEntry> = Vec::new();
-        for (index, name) in names.iter().enumerate() {
+        for name in names {
+            let style = self.line_style(Some(name), names);
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let style = LineStyle::from_index(index);
-                let middle = 0.5 * (area.top + area.bottom);
-                let ends = [[area.left, middle], [area.right, middle]];
-                picture.draw_dashed_line(&ends, style.dashes, LINE_WIDTH, style.colour);
-                draw_marker_with_radius(
-                    picture,
-                    [0.5 * (area.left + area.right), middle],
-                    &style,
-                    MARKER_RADIUS,
-                );
+                style.draw_swatch(picture, area);
             };
             entries.push(((*name).to_owned(), Box::new(swatch)));
         }
@@ -377,7 +387,8 @@ impl RecordFigure<'_> {
         frame: Rectangle,
         (x_ticks, names): (&[Tick], &[&str]),
     ) {
-        let (label, size) = page::fit_text(panel.label, PANEL_TITLE_SIZE, frame.width());
+        let label = format!("{}{}", panel.label, scale.multiplier);
+        let (label, size) = page::fit_text(&label, PANEL_TITLE_SIZE, frame.width());
         if !label.is_empty() {
             let at = [frame.left, frame.top - 0.36 * PANEL_TITLE_SIZE];
             picture.draw_text(Text::new(at, Anchor::Start, size, label));
@@ -403,32 +414,10 @@ impl RecordFigure<'_> {
             [x, scale.y_position(value, frame)]
         };
         let is_same_column = |a: Point, b: Point| a[0].floor() == b[0].floor();
-        let lines: Vec<(Option<usize>, Vec<Vec<Point>>)> = panel
-            .series
-            .iter()
-            .map(|series| {
-                let style_index =
-                    series.name.and_then(|name| names.iter().position(|other| *other == name));
-                (style_index, decimate(self.times, series.values, place, is_same_column))
-            })
-            .collect();
         if scale.message.is_none() {
-            for (style_index, parts) in &lines {
-                draw_line(picture, style_index.map(LineStyle::from_index), parts, frame);
-            }
-            // The first marker of each line is shifted, so that markers of coincident lines are all visible.
-            let spacing = MARKER_SPACING.max(MARKER_OFFSET * lines.len() as f64);
-            for (index, (style_index, parts)) in lines.iter().enumerate() {
-                let Some(style) = style_index.map(LineStyle::from_index) else { continue };
-                let mut next_marker_x =
-                    frame.left + spacing * (index as f64 + 0.5) / lines.len() as f64;
-                for &point in parts.iter().flatten() {
-                    if point[0] >= next_marker_x {
-                        draw_marker_with_radius(picture, point, &style, MARKER_RADIUS);
-                        next_marker_x +=
-                            spacing * ((point[0] - next_marker_x) / spacing + 1.0).floor();
-                    }
-                }
+            for series in &panel.series {
+                let parts = decimate(self.times, series.values, place, is_same_column);
+                draw_line(picture, self.line_style(series.name, names), &parts, frame);
             }
         }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
@@ -446,48 +435,33 @@ impl RecordFigure<'_> {
     }
 }
 
-/// Splits a line into pieces, each with a flag that it oscillates so densely that its strokes would merge.
-fn split_by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
-    let mut pieces: Vec<(bool, Vec<Point>)> = Vec::new();
-    let mut start = 0;
-    for end in 1..part.len() {
-        let is_last = end + 1 == part.len();
-        if part[end][0] - part[start][0] < DENSITY_WINDOW && !is_last {
-            continue;
+/// Returns whether values oscillate so densely that the dashes of a line would be lost: their variation within some
+/// window of the time axis exceeds [`DENSE_VARIATION`] times `range`.
+fn is_dense(times: &[f64], values: &[f64], range: f64) -> bool {
+    let duration = DENSITY_WINDOW * (times[times.len() - 1] - times[0]);
+    let step = |index: usize| {
+        let step = (values[index + 1] - values[index]).abs();
+        if is_plottable(step) { step } else { 0.0 }
+    };
+    let (mut start, mut variation) = (0, 0.0);
+    (0..values.len().saturating_sub(1)).any(|index| {
+        variation += step(index);
+        while times[index + 1] - times[start] > duration && start < index {
+            variation -= step(start);
+            start += 1;
         }
-        let piece = &part[start..=end];
-        let is_dense = polyline_length(piece)
-            > DENSE_LENGTH_RATIO * DENSITY_WINDOW.max(part[end][0] - part[start][0]);
-        match pieces.last_mut() {
-            Some((kind, line)) if *kind == is_dense => line.extend(&piece[1..]),
-            _ => pieces.push((is_dense, piece.to_vec())),
-        }
-        start = end;
-    }
-    pieces
+        index > start && variation > DENSE_VARIATION * range
+    })
 }
 
-fn draw_line(
-    picture: &mut Picture,
-    style: Option<LineStyle>,
-    parts: &[Vec<Point>],
-    frame: Rectangle,
-) {
-    let (colour, dashes) = style.map_or((INK, &[][..]), |style| (style.colour, style.dashes));
+fn draw_line(picture: &mut Picture, style: LineStyle, parts: &[Vec<Point>], frame: Rectangle) {
     for part in parts {
         if let [point] = part[..] {
-            picture.fill_disc(point, 0.7 * LINE_WIDTH, colour);
+            picture.fill_disc(point, 0.7 * LINE_WIDTH, style.colour);
         }
         // Rounding may place points slightly outside the frame.
-        for (is_dense, piece) in clip_polyline(part, frame).into_iter().flat_map(split_by_density) {
-            if is_dense {
-                picture.draw_line(piece, DENSE_LINE_WIDTH, colour);
-            } else {
-                picture.draw_dashed_line(&piece, dashes, LINE_WIDTH, colour);
-                if !dashes.is_empty() {
-                    picture.draw_line(piece, THIN_LINE_WIDTH, colour);
-                }
-            }
+        for piece in clip_polyline(part, frame) {
+            style.draw(picture, &piece);
         }
     }
 }
@@ -543,20 +517,43 @@ pub(crate) mod tests {
 
     #[test]
     fn only_fast_oscillations_are_dense() {
-        let place = |index: u32| {
-            let x = f64::from(index);
-            [x, if (300..600).contains(&index) { 60.0 * x.powi(2).sin() } else { 0.05 * x }]
+        let times: Vec<f64> = (0..1000).map(f64::from).collect();
+        let wave = |period: f64| -> Vec<f64> {
+            times.iter().map(|time| (std::f64::consts::TAU * time / period).sin()).collect()
         };
-        let line: Vec<Point> = (0..1000).map(place).collect();
-        let pieces = split_by_density(line.clone());
-        let kinds: Vec<bool> = pieces.iter().map(|(is_dense, _)| *is_dense).collect();
-        assert_eq!(kinds, [false, true, false]);
-        assert!((250.0..=301.0).contains(&pieces[1].1[0][0]));
-        // Neighbouring pieces share a point, and no point is lost.
-        let joined = pieces.iter().flat_map(|(_, piece)| &piece[1..]);
-        assert!(line[1..].iter().eq(joined));
-        assert!(pieces.windows(2).all(|pair| pair[0].1.last() == pair[1].1.first()));
-        assert!(split_by_density(Vec::new()).is_empty());
+        // The window has 40 samples; a full oscillation varies by two ranges.
+        assert!(is_dense(&times, &wave(33.0), 2.0));
+        assert!(!is_dense(&times, &wave(45.0), 2.0));
+        assert!(!is_dense(&times, &wave(33.0), 4.0));
+        assert!(!is_dense(&times, &times, 999.0));
+        assert!(!is_dense(&[0.0, 0.0], &[0.0, 1.0], 1.0) && !is_dense(&[0.0], &[1.0], 0.0));
+    }
+
+    /// A record has one style in all panels and in the legend, whatever its values are.
+    #[test]
+    fn dense_records_have_one_style() {
+        let times: Vec<f64> = (0..1000).map(f64::from).collect();
+        let fast: Vec<f64> = times.iter().map(|time| (0.5 * time).sin()).collect();
+        let panel = |values| RecordPanel {
+            label: "velocity",
+            series: vec![
+                RecordSeries { name: Some("R1"), values: &times },
+                RecordSeries { name: Some("R2"), values },
+            ],
+            min_height: 100.0,
+            height_weight: 1.0,
+        };
+        let panels = vec![panel(&times), panel(&fast)];
+        let figure =
+            RecordFigure { title: "", subtitle: "", time_label: "", times: &times, panels };
+        let widths = ["R1", "R2"].map(|name| figure.line_style(Some(name), &["R1", "R2"]).width);
+        // The range of the second panel is that of R1, so that R2 is not dense there.
+        assert_eq!(widths, [LineStyle::from_index(0).width, LineStyle::from_index(1).width]);
+        let mut figure = figure;
+        figure.panels[1].series.remove(0);
+        let style = figure.line_style(Some("R2"), &["R1", "R2"]);
+        assert!(style.width == DENSE_LINE_WIDTH && style.dashes.is_empty());
+        check_figure(&figure);
     }
 
     #[test]

@@ -37,6 +37,53 @@ pub(crate) fn linear_ticks(low: f64, high: f64, max_count: usize, is_angle: bool
     values.into_iter().map(|value| (value, format_tick(value, step, largest))).collect()
 }
 
+/// Computes the ticks of [`linear_ticks`] with short labels. Numbers that would be in scientific notation are divided by a
+/// common power of ten, and numbers that differ only behind their first four digits are written as differences from one
+/// of them. Returns the ticks and the text that states power and difference: ` (×10⁻⁶)`, ` (1000 + …)`; empty if there
+/// are none.
+pub(crate) fn linear_ticks_with_multiplier(
+    low: f64,
+    high: f64,
+    max_count: usize,
+) -> (Vec<Tick>, String) {
+    let ticks = linear_ticks(low, high, max_count, false);
+    let [first, second, ..] = &ticks[..] else { return (ticks, String::new()) };
+    // The difference of large numbers is rounded; a step just below a power of ten would have one digit more.
+    let (step, least) = ((second.0 - first.0) * (1.0 + 1e-6), first.0);
+    let largest = ticks.iter().fold(0.0_f64, |largest, (value, _)| largest.max(value.abs()));
+    let is_offset = largest / step > 2000.0;
+    let origin = if is_offset { least } else { 0.0 };
+    let largest =
+        ticks.iter().fold(0.0_f64, |largest, (value, _)| largest.max((value - origin).abs()));
+    let exponent =
+        if (1e-3..1e5).contains(&largest) { 0 } else { (largest.log10() + 1e-9).floor() as i32 };
+    if exponent == 0 && !is_offset {
+        return (ticks, String::new());
+    }
+    let unit = 10_f64.powi(exponent);
+    if !(unit > 0.0 && unit.is_finite()) {
+        return (ticks, String::new());
+    }
+    let label = |value: f64| format_tick((value - origin) / unit, step / unit, largest / unit);
+    let labelled = ticks.iter().map(|(value, _)| (*value, label(*value))).collect();
+    let power = if exponent == 0 { String::new() } else { format_power_of_ten(false, exponent) };
+    let multiplier = match (is_offset, power.is_empty()) {
+        (true, true) => format!(" ({} + …)", format_number_with_digits(origin, step)),
+        (true, false) => format!(" ({} + … × {power})", format_number_with_digits(origin, step)),
+        (false, _) => format!(" (×{power})"),
+    };
+    (labelled, multiplier)
+}
+
+/// Formats a number to the digit of `step`, without trailing zeros.
+fn format_number_with_digits(value: f64, step: f64) -> String {
+    let text = format_tick(value, step, value.abs());
+    match text.contains('.') && !text.contains('×') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 /// Formats a tick label of an axis with step `step` and largest tick `largest`.
 fn format_tick(value: f64, step: f64, largest: f64) -> String {
     if value == 0.0 {
@@ -226,6 +273,22 @@ mod tests {
         for (low, high) in [(1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (2.0, 1.0)] {
             assert!(linear_ticks(low, high, 5, false).is_empty());
         }
+    }
+
+    #[test]
+    fn common_factors_and_offsets_are_written_once() {
+        let (ticks, multiplier) = linear_ticks_with_multiplier(-2.1e-13, 2.2e-13, 5);
+        assert_eq!(tick_labels(&ticks), ["−2", "−1", "0", "1", "2"]);
+        assert_eq!(multiplier, " (×10⁻¹³)");
+        let (ticks, multiplier) = linear_ticks_with_multiplier(1000.0, 1000.03, 4);
+        assert_eq!(tick_labels(&ticks), ["0", "0.01", "0.02", "0.03"]);
+        assert_eq!(multiplier, " (1000 + …)");
+        let (ticks, multiplier) = linear_ticks_with_multiplier(1e5, 1e5 + 1e-5, 3);
+        assert_eq!(tick_labels(&ticks), ["0", "0.5", "1.0"]);
+        assert_eq!(multiplier, " (100000 + … × 10⁻⁵)");
+        assert_eq!(linear_ticks_with_multiplier(0.0, 2.5e6, 4).1, " (×10⁶)");
+        let plain = linear_ticks_with_multiplier(0.0, 1.0, 6);
+        assert_eq!(plain, (linear_ticks(0.0, 1.0, 6, false), String::new()));
     }
 
     #[test]

@@ -3,17 +3,14 @@
 use crate::dispersion::draw_ring;
 use crate::error::FigureError;
 use crate::format::FigureFormat;
-use crate::growth::{
-    GRID_COLOUR, LINE_STYLES, LINE_WIDTH, LabelledCurve, MARKER_SPACING, build_line_entries,
-    draw_marker,
-};
+use crate::growth::{GRID_COLOUR, LabelledCurve, LineStyle, build_line_entries};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
 use crate::picture::{INK, Picture, Rectangle, clip_polyline};
 use crate::scale::{self, Tick};
 
 /// Spectra of a positive quantity at several times, against the mode number; both axes are logarithmic.
 ///
-/// Values more than 16 decades below the largest value are rounding errors and are omitted.
+/// Values more than 14 decades below the largest value are rounding errors and are omitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumFigure {
     /// Title of the figure.
@@ -32,7 +29,7 @@ pub struct SpectrumFigure {
 }
 
 /// Maximum number of decades of the vertical axis.
-const MAX_DECADES: f64 = 16.0;
+const MAX_DECADES: f64 = 14.0;
 
 impl SpectrumFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
@@ -45,7 +42,15 @@ impl SpectrumFigure {
 
     fn to_picture(&self) -> Picture {
         let labels: Vec<&str> = self.spectra.iter().map(|line| line.label.as_str()).collect();
-        let legend = Legend::new(build_line_entries(&labels), page::WIDTH - 2.0 * MARGIN);
+        let mut entries = build_line_entries(&labels);
+        if self.measured_points.iter().any(|points| !points.is_empty()) {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                let middle = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
+                draw_ring(picture, middle, INK);
+            };
+            entries.push(("measured in time".to_owned(), Box::new(swatch)));
+        }
+        let legend = Legend::new(entries, page::WIDTH - 2.0 * MARGIN);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let mut picture = page::create_page(page::HEIGHT, &self.title, &self.subtitle);
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
@@ -64,14 +69,17 @@ impl SpectrumFigure {
             .map(|points| points.iter().map(|p| p.map(place)).collect())
             .collect();
         let all = || lines.iter().chain(&rings).flatten();
-        let [x, y] = [0, 1].map(|axis| axis_range(all().map(|point| point[axis])));
-        let y = [y[0].max(y[1] - MAX_DECADES), y[1]];
+        let largest = all().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        let above_rounding = || all().filter(|point| point[1] >= largest - MAX_DECADES);
+        let [x, y] = [0, 1].map(|axis| axis_range(above_rounding().map(|point| point[axis])));
         let ticks =
             |[low, high]: [f64; 2], max_count: usize| scale::log_ticks(low, high, max_count);
         let y_ticks = ticks(y, ((bottom - top) / 48.0) as usize);
         let left = MARGIN + page::left_axis_width(&y_ticks);
         let frame = Rectangle { left, top, right: page::WIDTH - MARGIN, bottom };
 
+        // Values below the axis are rounding errors of modes without energy: they interrupt a line.
+        let is_drawn = |[_, b]: [f64; 2]| b >= y[0];
         let at = |[a, b]: [f64; 2]| {
             let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
             [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]
@@ -88,17 +96,13 @@ impl SpectrumFigure {
             picture.draw_line([[frame.left, *place], [frame.right, *place]], 1.2, GRID_COLOUR);
         }
         for (index, line) in lines.iter().enumerate() {
-            let style = &LINE_STYLES[index % LINE_STYLES.len()];
-            let points: Vec<[f64; 2]> = line.iter().map(|point| at(*point)).collect();
+            let style = LineStyle::from_index(index);
+            let points: Vec<[f64; 2]> = line
+                .iter()
+                .map(|&point| if is_drawn(point) { at(point) } else { [f64::NAN; 2] })
+                .collect();
             for part in clip_polyline(&points, frame) {
-                picture.draw_dashed_line(&part, style.dashes, LINE_WIDTH, style.colour);
-            }
-            let mut next_marker_x = frame.left + MARKER_SPACING * 0.28 * index as f64;
-            for &point in points.iter().filter(|p| (frame.top..=frame.bottom).contains(&p[1])) {
-                if point[0] >= next_marker_x {
-                    draw_marker(&mut picture, point, style);
-                    next_marker_x = point[0] + MARKER_SPACING;
-                }
+                style.draw(&mut picture, &part);
             }
         }
         for (index, points) in rings.iter().enumerate() {
@@ -108,7 +112,7 @@ impl SpectrumFigure {
                     (frame.top..=frame.bottom).contains(&point[1]),
                 ];
                 if inside_x && inside_y {
-                    draw_ring(&mut picture, point, LINE_STYLES[index % LINE_STYLES.len()].colour);
+                    draw_ring(&mut picture, point, LineStyle::from_index(index).colour);
                 }
             }
         }

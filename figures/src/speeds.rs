@@ -4,12 +4,12 @@ use plotters::style::RGBColor;
 
 use crate::error::FigureError;
 use crate::format::FigureFormat;
-use crate::growth::{LINE_STYLES, LINE_WIDTH, draw_marker};
+use crate::growth::LineStyle;
 use crate::page::LegendEntry;
 use crate::picture::{Colour, PALE_INK, Picture, Point, Rectangle, WHITE};
 use crate::polar::{
     DiscPage, NEUTRAL_COLOUR, RING_COLOUR, Spoke, SpokeStyle, build_labels, draw_circle,
-    draw_markers, full_circle_points, max_ring_numbers, polar_to_point, split_at_gaps,
+    full_circle_points, max_ring_numbers, polar_to_point, split_at_gaps,
 };
 use crate::scale::{self, FINITE_LIMIT, Tick};
 
@@ -18,7 +18,7 @@ use crate::scale::{self, FINITE_LIMIT, Tick};
 pub enum SolidResponse {
     /// Elastic response: drawn grey and dotted.
     Elastic,
-    /// Yielding response: drawn solid, in colour and with markers.
+    /// Yielding response: drawn in colour, each speed with its own dashes.
     Yielding,
 }
 
@@ -57,9 +57,9 @@ pub struct SpeedsFigure {
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Name and symbol of the speed, for the legend.
+    /// Name and symbol of the speed, for the axis of the radius.
     pub speed_label: String,
-    /// Unit of the speed, written on the outermost ring.
+    /// Unit of the speed.
     pub unit: String,
     /// Curves; the first eight labels of the yielding solid have distinct styles.
     pub curves: Vec<SpeedCurve>,
@@ -150,10 +150,6 @@ impl SpeedsFigure {
                 let y = middle(area);
                 let ends = [[area.left, y], [area.right, y]];
                 draw_parallel_lines(picture, &ends, response, style, multiplicity);
-                if response == SolidResponse::Yielding {
-                    let at = [0.5 * (area.left + area.right), y];
-                    draw_marker(picture, at, &LINE_STYLES[style % LINE_STYLES.len()]);
-                }
             };
             let label_text = match curve.multiplicity {
                 0 | 1 => curve.label.clone(),
@@ -192,13 +188,6 @@ impl SpeedsFigure {
             };
             entries.push(("normal with vanishing speed".to_owned(), Box::new(swatch)));
         }
-        let swatch = move |picture: &mut Picture, area: Rectangle| {
-            let (y, half) = (middle(area), 0.5 * area.width());
-            picture.draw_line([[area.left, y], [area.right, y]], 1.8, NEUTRAL_COLOUR);
-            let head = |side: f64| [area.right - 0.35 * half, y + side];
-            picture.fill_polygon(vec![[area.right, y], head(7.0), head(-7.0)], NEUTRAL_COLOUR);
-        };
-        entries.push((format!("radius: {}", self.speed_label), Box::new(swatch)));
         entries
     }
 
@@ -245,12 +234,9 @@ impl SpeedsFigure {
         let max_count = max_ring_numbers(radius).min(7);
         let rings: Vec<Tick> = scale::linear_ticks(0.0, rim_speed, max_count, false)
             .into_iter()
-            .filter(|(speed, _)| *speed > 0.0)
             .map(|(speed, label)| (radius * speed / rim_speed, label))
-            // Numbers near the centre would cover the curves and are omitted.
-            .map(|(size, label)| (size, if size < 0.2 * radius { String::new() } else { label }))
             .collect();
-        for (size, _) in &rings {
+        for (size, _) in rings.iter().filter(|(size, _)| *size > 0.0) {
             draw_circle(picture, centre, *size, 1.4, RING_COLOUR);
         }
         for turn in [0.0, 90.0] {
@@ -286,13 +272,7 @@ impl SpeedsFigure {
                 }
             }
         }
-        for (index, curve) in self.curves.iter().enumerate() {
-            if curve.response == SolidResponse::Yielding {
-                draw_markers(picture, centre, self.style_index(index), &lines[index]);
-            }
-        }
-        let angles: Vec<f64> = spokes.iter().map(|spoke| spoke.angle_deg).collect();
-        page.draw_ring_numbers(&rings, &self.unit, &angles, &lines);
+        page.draw_radius_axis(&rings, &format!("{} ({})", self.speed_label, self.unit));
     }
 }
 
@@ -307,7 +287,8 @@ fn draw_parallel_lines(
     let (dashes, width, colour) = match response {
         SolidResponse::Elastic => (ELASTIC_DASHES, ELASTIC_WIDTH, ELASTIC_COLOUR),
         SolidResponse::Yielding => {
-            (&[][..], LINE_WIDTH, LINE_STYLES[style % LINE_STYLES.len()].colour)
+            let style = LineStyle::from_index(style);
+            (style.dashes, style.width, style.colour)
         }
     };
     let gap = 3.0;

@@ -112,7 +112,7 @@ pub fn list_models(format: OutputFormat, stdout: &mut dyn Write) -> Result<(), C
         name: set.name,
         title: set.title,
     }));
-    rows.extend([ModelKind::Equations, ModelKind::Rheology].map(row("other")));
+    rows.extend(ModelKind::WITHOUT_ENTRY.map(row("other")));
     let describe = |name: &str| DESCRIPTIONS.iter().find(|own| own.name == name);
     match format {
         OutputFormat::Json => {

@@ -123,6 +123,7 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
             frequency: curve.iter().map(|p| [p.wave_number, p.frequency]).collect(),
             group_speed: curve.iter().map(|p| [p.wave_number, p.group_speed]).collect(),
             measured_frequency: Vec::new(),
+            disagreeing_frequency: Vec::new(),
             growth_rate: match curve.iter().any(|p| p.growth_rate > 0.0) {
                 true => curve.iter().map(|p| [p.wave_number, p.growth_rate]).collect(),
                 false => Vec::new(),

@@ -1,6 +1,6 @@
 //! Granular and porous media from a case.
 
-use crate::case::plane_wave::ContactMedium;
+use crate::case::plane_wave::{ContactMedium, DashpotArrangement};
 use crate::case::{Case, CaseError, Material};
 use crate::setup;
 use analysis::plane_shocks::PlaneWaveError;
@@ -8,7 +8,7 @@ use dynamics::contact_law::ContactLaw;
 use dynamics::medium::Medium;
 use models::InputError;
 use models::granular_medium::{
-    GranularContact, GranularMedium, GranularParameters, MaxwellParticles,
+    GranularContact, GranularMedium, GranularParameters, KelvinVoigtParticles, MaxwellParticles,
 };
 use models::porous::{PoreContact, PorousMedium, PorousParameters};
 use models::solid::parameters::Isotropic;
@@ -156,19 +156,47 @@ pub(crate) fn check_without_viscosity(
     }
 }
 
-/// Creates the solver medium of a granular or porous medium in a grid of `dimensions` axes.
+/// Time step for which the law of parallel dashpots is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DashpotStep {
+    /// The longest one in which the fastest waves of the medium travel at most this distance, m.
+    Longest(f64),
+    /// A time step, s.
+    Given(f64),
+}
+
+/// Whether the particles of a medium have parallel dashpots, whose law depends on the time step.
+pub(crate) fn has_parallel_dashpots(contacts: &ContactMedium) -> bool {
+    let dashpot = match contacts {
+        ContactMedium::Granular { dashpot, .. } => *dashpot,
+        ContactMedium::Porous { .. } => DashpotArrangement::Series,
+    };
+    dashpot == DashpotArrangement::Parallel
+}
+
+/// Creates the solver medium of a granular or porous medium in a grid of `dimensions` axes; `step`: see [`DashpotStep`].
 ///
 /// # Errors
-/// A constant is out of range, or the walls of pores have friction in a plastic skeleton.
+/// A constant is out of range, or plastic flow beside a contact by cone has a viscosity.
 pub(crate) fn create_solver_medium(
     material: &Material,
     contacts: &ContactMedium,
     dimensions: usize,
+    step: DashpotStep,
 ) -> Result<Medium, CaseError> {
     match create_material_medium(material, contacts)? {
         PlaneWaveMedium::Granular(medium) => {
             let law = match viscosities(contacts) {
                 [None, None] => ContactLaw::from(&medium),
+                given if has_parallel_dashpots(contacts) => {
+                    let particles = KelvinVoigtParticles::new(given)
+                        .map_err(|error| material.locate_medium_error(error))?;
+                    let step = match step {
+                        DashpotStep::Longest(distance) => particles.longest_step(&medium, distance),
+                        DashpotStep::Given(step) => step,
+                    };
+                    ContactLaw::from_damped(&medium, particles, step)
+                }
                 given => {
                     let shear_modulus = medium.parameters().shear_modulus;
                     let particles =
@@ -180,16 +208,7 @@ pub(crate) fn create_solver_medium(
             Ok(Medium::with_contact(law, dimensions))
         }
         PlaneWaveMedium::Porous(porous) => {
-            let Some(law) = ContactLaw::from_porous(&porous) else {
-                return Err(material.locate_medium_error(InputError {
-                    input: "contact",
-                    rejected_value: "cone".to_owned(),
-                    allowed_values:
-                        "expected spherical, or no porous.yield_stress: the skeleton must be \
-                             elastic if the walls of pores have friction"
-                            .to_owned(),
-                }));
-            };
+            let law = ContactLaw::from_porous(&porous);
             let medium = Medium::with_contact(law, dimensions);
             let PorousParameters { shear_modulus, yield_stress, intensity_coefficient, .. } =
                 *porous.parameters();
@@ -200,7 +219,19 @@ pub(crate) fn create_solver_medium(
                 ContactMedium::Porous { plastic_viscosity, .. } => *plastic_viscosity,
                 ContactMedium::Granular { .. } => None,
             };
+            if let (ContactLaw::PorousPlasticCone { .. }, Some(viscosity)) =
+                (law, plastic_viscosity)
+            {
+                return Err(material.locate_medium_error(InputError {
+                    input: "plastic_viscosity",
+                    rejected_value: format!("{viscosity:?} beside a contact by cone"),
+                    allowed_values: "leave it out, or set porous.contact = \"spherical\""
+                        .to_owned(),
+                }));
+            }
             Ok(match (yield_stress, plastic_viscosity) {
+                // A contact by cone has the yield stress in its own law.
+                _ if matches!(law, ContactLaw::PorousPlasticCone { .. }) => medium,
                 (None, _) => medium,
                 (Some(limit), None) => medium.with_yield_set(set(limit)),
                 (Some(limit), Some(viscosity)) => {

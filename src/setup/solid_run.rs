@@ -14,7 +14,7 @@ use crate::case::dynamics::{
     self as case, BoundaryFace, CourantWaves, SolidRun, SolidTime, StateComponent,
 };
 use crate::case::{Case, CaseError, Material};
-use crate::setup::plane_wave::create_solver_medium;
+use crate::setup::plane_wave::{DashpotStep, create_solver_medium, has_parallel_dashpots};
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
@@ -38,9 +38,30 @@ pub(crate) struct SolidSetup<const D: usize> {
 /// Returns the solver media of a case in the order of its regions, or of the materials of its blocks; if it has
 /// neither, the medium of its material.
 pub(crate) fn create_media(case: &Case, solid_run: &SolidRun) -> Result<Vec<Medium>, Error> {
+    let edges = solid_run.grid.smallest_edges();
+    let shortest = edges.iter().copied().fold(f64::INFINITY, f64::min);
+    // Each axis has two sweeps per step.
+    let distance = 2.0 * solid_run.time.courant_number * shortest;
+    let media = create_media_for_step(case, solid_run, DashpotStep::Longest(distance))?;
+    let materials = solid_run.materials();
+    let mut all = materials.iter().copied().chain([&case.material]);
+    if !all.any(|own| own.contacts.as_ref().is_some_and(has_parallel_dashpots)) {
+        return Ok(media);
+    }
+    // The step of all media; with it those with dashpots are at most as fast as in their own longest step.
+    let step = compute_time_steps(solid_run, &media)?.step;
+    create_media_for_step(case, solid_run, DashpotStep::Given(step))
+}
+
+/// Creates the media as [`create_media`], with parallel dashpots for a time step.
+fn create_media_for_step(
+    case: &Case,
+    solid_run: &SolidRun,
+    step: DashpotStep,
+) -> Result<Vec<Medium>, Error> {
     let dimensions = solid_run.grid.dimensions();
     let medium = |own: &Material| match &own.contacts {
-        Some(contacts) => Ok(create_solver_medium(own, contacts, dimensions)?),
+        Some(contacts) => Ok(create_solver_medium(own, contacts, dimensions, step)?),
         None => {
             solid::create_medium(own, dimensions).map_err(|error| own.locate_error(error).into())
         }

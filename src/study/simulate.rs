@@ -5,6 +5,7 @@
 //! checkpoints. Results depend neither on the recorder nor on the number of threads of the surrounding `rayon` pool.
 
 mod cost;
+mod derived_fields;
 mod flow;
 mod joint;
 mod memory_recorder;

@@ -15,6 +15,10 @@ const LAYER_SAMPLES: (f64, f64, usize) = (-9.0, 0.1, 90);
 
 /// Number of samples per decade of the wave number.
 const SAMPLES_PER_DECADE: i32 = 12;
+/// Number of times that the steps next to points where a growth curve turns are halved.
+const REFINEMENTS: usize = 2;
+/// Difference of the orders of growth on both sides of a point above which a growth curve turns there.
+const MAX_TURN: f64 = 0.03;
 /// Number of decades below the given wave number, and smallest number above it.
 const DECADES_PER_SIDE: i32 = 4;
 /// Maximum number of decades towards short waves, extended until the growth reaches its asymptote.
@@ -112,25 +116,51 @@ pub fn growth_by_wave_number(
         Verdict::IllPosed { growth: None, direction } => Some(direction),
         _ => None,
     };
-    (-DECADES_PER_SIDE * SAMPLES_PER_DECADE..=decades * SAMPLES_PER_DECADE)
-        .map(|step| {
-            let wave_number =
-                wave_number * 10f64.cr_powf(f64::from(step) / f64::from(SAMPLES_PER_DECADE));
-            let [max_growth_rate, worst] = match unbounded {
-                Some(direction) => [f64::INFINITY, direction],
-                None => maximise(
-                    |direction| growth_rate(workspace, wave_number, direction),
-                    &directions,
-                ),
-            };
-            GrowthPoint {
-                wave_number,
-                growth_rate: workspace.growth_rate(wave_number, direction),
-                max_growth_rate,
-                max_growth_direction: worst,
+    let sample = |exponent: f64| {
+        let wave_number = wave_number * 10f64.cr_powf(exponent);
+        let [max_growth_rate, worst] = match unbounded {
+            Some(direction) => [f64::INFINITY, direction],
+            None => {
+                maximise(|direction| growth_rate(workspace, wave_number, direction), &directions)
             }
-        })
-        .collect()
+        };
+        GrowthPoint {
+            wave_number,
+            growth_rate: workspace.growth_rate(wave_number, direction),
+            max_growth_rate,
+            max_growth_direction: worst,
+        }
+    };
+    let steps = -DECADES_PER_SIDE * SAMPLES_PER_DECADE..=decades * SAMPLES_PER_DECADE;
+    let exponents = steps.map(|step| f64::from(step) / f64::from(SAMPLES_PER_DECADE));
+    let mut curve: Vec<(f64, GrowthPoint)> = exponents.map(|at| (at, sample(at))).collect();
+    for _ in 0..REFINEMENTS {
+        let is_bent: Vec<bool> = (0..curve.len()).map(|index| is_bent(&curve, index)).collect();
+        let mut refined = Vec::with_capacity(curve.len());
+        for (index, point) in curve.iter().enumerate() {
+            if index > 0 && (is_bent[index - 1] || is_bent[index]) {
+                let middle = 0.5 * (curve[index - 1].0 + point.0);
+                refined.push((middle, sample(middle)));
+            }
+            refined.push(*point);
+        }
+        curve = refined;
+    }
+    curve.into_iter().map(|(_, point)| point).collect()
+}
+
+/// Returns whether a curve turns at a point: whether the orders of growth before and after it differ by more than
+/// [`MAX_TURN`].
+fn is_bent(curve: &[(f64, GrowthPoint)], index: usize) -> bool {
+    if index == 0 || index + 1 == curve.len() {
+        return false;
+    }
+    let order = |from: usize| {
+        let [(x0, a), (x1, b)] = [curve[from], curve[from + 1]];
+        let [a, b] = [a.max_growth_rate, b.max_growth_rate];
+        if a > 0.0 && b > 0.0 { (b / a).cr_log10() / (x1 - x0) } else { f64::NAN }
+    };
+    (order(index) - order(index - 1)).abs() > MAX_TURN
 }
 
 /// Largest Re ς, 1/s; zero if it is below the rounding of the largest |Re ς|, NaN outside the range of wave numbers.

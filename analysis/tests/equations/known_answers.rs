@@ -409,3 +409,25 @@ fn compressible_rheology_is_well_posed_where_the_three_conditions_hold() {
     let far = assess([0.35, 0.6, 2.5, -5.0, 1e4, 1000.0, 10.0]).expect("a state");
     assert_eq!(far.verdict(), "ill-posed");
 }
+
+/// Maxwell's fluid in space, ten unknowns: well-posed, and no wave in random directions grows faster than the bound.
+#[test]
+fn viscoelastic_fluid_in_space_is_well_posed() {
+    let start = std::time::Instant::now();
+    let found = Assessed::new("viscoelastic-space", &[]);
+    assert_eq!(found.verdict(), "well-posed");
+    let assessed = start.elapsed();
+    let bound = found.supremum();
+    println!("verdict in {assessed:.1?}, with the bound {bound} 1/s in {:.1?}", start.elapsed());
+    let mut random = seeded_generator(7);
+    for _ in 0..50 {
+        let k = random.log_uniform(1e-6, 1e6);
+        let angles = [random.uniform(0.0, 3.15), random.uniform(-1.57, 1.57)];
+        let roots = found.workspace.roots(&found.model, k, angles[0], angles[1]).expect("finite");
+        let wellposed_analysis::pencil::PencilRoots::Regular { finite, .. } = roots else {
+            panic!("singular")
+        };
+        // The first root has the largest real part.
+        assert!(finite[0].re <= bound + 1e-5 * bound.abs(), "{k} 1/m, {angles:?}: {}", finite[0]);
+    }
+}

@@ -29,35 +29,9 @@ impl System256 {
 
     /// det(ςA + κ₁B¹ + κ₂B² + C), one coefficient for each power of ς, κ₁, κ₂.
     pub fn polynomial(&self) -> DispersionReference {
-        let initial = vec![([0u8; 3], Real256::from(1.0))];
-        let mut result = DispersionReference { terms: Vec::new() };
-        expand_leibniz(
-            self.size,
-            initial,
-            &|i, j| self.entries[i][j].iter().any(|x| !x.is_zero()),
-            &|product, i, j| {
-                let mut next = Vec::with_capacity(2 * product.len());
-                for (power, value) in product {
-                    for (variable, &x) in self.entries[i][j].iter().enumerate() {
-                        if !x.is_zero() {
-                            let mut power = *power;
-                            if variable < 3 {
-                                power[variable] += 1;
-                            }
-                            add_term(&mut next, power, *value * x);
-                        }
-                    }
-                }
-                next
-            },
-            &mut |product, negative| {
-                for &(power, value) in product {
-                    add_term(&mut result.terms, power, if negative { -value } else { value });
-                }
-            },
-        );
-        result.terms.retain(|(_, value)| !value.is_zero());
-        result
+        let powers = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
+        let terms = |i: usize, j: usize| powers.into_iter().zip(self.entries[i][j]).collect();
+        DispersionReference::from_symbol(self.size, &terms)
     }
 
     /// Coefficients of det(ςA + i(k₁B¹ + k₂B²) + C) by ascending powers of ς; leading exact zeros are omitted.
@@ -136,7 +110,7 @@ impl System256 {
     }
 }
 
-fn add_term(terms: &mut Vec<([u8; 3], Real256)>, power: [u8; 3], value: Real256) {
+fn add_term(terms: &mut Vec<Term>, power: [u8; 3], value: Real256) {
     match terms.iter_mut().find(|(own, _)| *own == power) {
         Some((_, own)) => *own += value,
         None => terms.push((power, value)),
@@ -232,6 +206,15 @@ pub fn solve_roots(polynomial: &[Complex256]) -> Vec<Complex256> {
                 continue;
             }
             let (value, slope) = evaluate_with_derivative(p, x[i]);
+            // At a multiple root the value is rounding long before the iterates agree in all bits.
+            let size = |(n, c): (usize, &Complex256)| {
+                c.exponent().saturating_add(x[i].exponent().saturating_mul(n as i64))
+            };
+            let largest = p.iter().enumerate().filter(|(_, c)| !c.is_zero()).map(size).max();
+            if largest.is_some_and(|own| value.exponent() < own - 240) {
+                settled[i] = true;
+                continue;
+            }
             if value.is_zero() || slope.is_zero() {
                 settled[i] = value.is_zero();
                 continue;
@@ -282,18 +265,77 @@ pub fn match_roots<'a>(
     result
 }
 
-/// The dispersion polynomial in 256 bits: (powers of ς, κ₁, κ₂; coefficient).
+/// Powers of ς, κ₁, κ₂, and their coefficient.
+pub type Term = ([u8; 3], Real256);
+
+/// The dispersion polynomial in 256 bits.
 #[derive(Clone, Debug)]
 pub struct DispersionReference {
-    pub terms: Vec<([u8; 3], Real256)>,
+    pub terms: Vec<Term>,
 }
 
 impl DispersionReference {
+    /// Determinant of a square symbol, whose `entry` (i, j) lists powers of ς, κ₁, κ₂ and their coefficients.
+    fn from_symbol(size: usize, entry: &dyn Fn(usize, usize) -> Vec<Term>) -> Self {
+        let entries: Vec<Vec<Vec<Term>>> = (0..size)
+            .map(|i| {
+                let present =
+                    |j| entry(i, j).into_iter().filter(|term| !term.1.is_zero()).collect();
+                (0..size).map(present).collect()
+            })
+            .collect();
+        let mut result = Self { terms: Vec::new() };
+        expand_leibniz(
+            size,
+            vec![([0u8; 3], Real256::from(1.0))],
+            &|i, j| !entries[i][j].is_empty(),
+            &|product, i, j| {
+                let mut next = Vec::with_capacity(2 * product.len());
+                for (power, value) in product {
+                    for (other, x) in &entries[i][j] {
+                        let sum = std::array::from_fn(|n| power[n] + other[n]);
+                        add_term(&mut next, sum, *value * *x);
+                    }
+                }
+                next
+            },
+            &mut |product, negative| {
+                for &(power, value) in product {
+                    add_term(&mut result.terms, power, if negative { -value } else { value });
+                }
+            },
+        );
+        result.terms.retain(|(_, value)| !value.is_zero());
+        result
+    }
+
+    /// Determinant of the symbol of a square system, terms of higher order included; `velocity` is omitted.
+    pub fn from_linearised(system: &LinearisedSystem<2>) -> Self {
+        let size = system.equations.len();
+        assert_eq!(size, system.unknowns.len());
+        Self::from_symbol(size, &|i, j| {
+            let at = (i, j);
+            let mut terms = vec![
+                ([1, 0, 0], system.a[at]),
+                ([0, 1, 0], system.b[0][at]),
+                ([0, 0, 1], system.b[1][at]),
+                ([0, 0, 0], system.c[at]),
+            ];
+            let higher = system.higher_terms.iter().filter(|term| (term.row, term.column) == at);
+            terms.extend(higher.map(|term| {
+                let [b, c] = term.space_powers;
+                ([term.time_power, b, c], term.coefficient)
+            }));
+            terms.into_iter().map(|(power, x)| (power, Real256::from(x.value))).collect()
+        })
+    }
+
     /// Coefficients by ascending powers of ς at the wave vector k (cos, sin).
     pub fn coefficients_at(&self, k: Real256, cos: Real256, sin: Real256) -> Vec<Complex256> {
+        let degree = self.terms.iter().map(|t| t.0[1] + t.0[2]).max().unwrap_or(0);
         let powers = |x: Real256| {
             let mut list = vec![Real256::from(1.0)];
-            for n in 0..12 {
+            for n in 0..usize::from(degree) {
                 list.push(list[n] * x);
             }
             list

@@ -33,6 +33,8 @@ impl StateComponent {
             SolidField::Couple(_, j) => j == axis,
             SolidField::ViscousStrain(..)
             | SolidField::ExcessStress(..)
+            | SolidField::SpringStress(..)
+            | SolidField::PlasticStrain(..)
             | SolidField::VolumetricStrain
             | SolidField::PoreClosure => false,
         };
@@ -81,6 +83,12 @@ impl fmt::Display for StateComponent {
             }
             SolidField::ExcessStress(i, j) => {
                 write!(formatter, "excess_stress{}{}", i + 1, j + 1)
+            }
+            SolidField::SpringStress(i, j) => {
+                write!(formatter, "spring_stress{}{}", i + 1, j + 1)
+            }
+            SolidField::PlasticStrain(i, j) => {
+                write!(formatter, "plastic_strain{}{}", i + 1, j + 1)
             }
             SolidField::VolumetricStrain => formatter.write_str("volumetric_strain"),
             SolidField::PoreClosure => formatter.write_str("pore_closure"),

@@ -9,6 +9,7 @@ use crate::receivers::{self, Interpolation, ReceiverDomain, ReceiverPoint, read_
 use crate::schema::{AllowedRange, KeyGroup, KeySchema, SchemaScope, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter, join_with_commas};
 use models::interface::parameters::{LayerMaterial, TangentialConstants};
+use models::solid::waves::SolidField;
 use std::fmt;
 
 /// Builds the key `ledger_interval`, the time between two rows of the energy ledger; `zero` describes the meaning of 0
@@ -117,7 +118,7 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"speed\"",
-            "plotted quantity: speed, a component, one of integrals, or dissipation; volumetric_strain, pore_closure or porosity of a porous medium; slip, opening or pressure of the fluid: of the faces of joints, drawn as lines",
+            "plotted quantity: speed, a component, one of integrals, or dissipation; volumetric_strain of a porous medium; pore_closure or porosity of one with spherical contact; slip, opening or pressure of the fluid: of the faces of joints, drawn as lines",
         ),
         CONTOURS_KEY,
     ])],
@@ -336,6 +337,10 @@ impl SolidReader<'_> {
         pictures.extend(self.recorded_components().map(PlottedQuantity::Component));
         if !self.history_components.is_empty() {
             pictures.push(PlottedQuantity::Porosity);
+        }
+        if self.has_pore_cones {
+            let strain = StateComponent(SolidField::VolumetricStrain);
+            pictures.push(PlottedQuantity::Component(strain));
         }
         pictures.extend(
             output.integrated_components.iter().copied().map(PlottedQuantity::TimeIntegral),

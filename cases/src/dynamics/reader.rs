@@ -16,6 +16,8 @@ pub(super) struct SolidReader<'a> {
     pub(super) state_components: Vec<StateComponent>,
     /// History variables of the media, which can be recorded and drawn.
     pub(super) history_components: Vec<StateComponent>,
+    /// Whether pores have a contact by cone, for which outputs compute the volumetric strain.
+    pub(super) has_pore_cones: bool,
     /// Folder of the case file.
     pub(super) case_folder: &'a Path,
 }

@@ -267,11 +267,8 @@ impl Key {
             (ModelFilter::AllModels, _) => true,
             (ModelFilter::Flows(uses), ModelKind::Flow(flow)) => uses(flow),
             (ModelFilter::Solids(uses), ModelKind::Solid(solid)) => uses(solid),
-            (ModelFilter::HavingConstant(name), ModelKind::Flow(flow)) => {
-                flow.parameters().iter().any(|own| own.name == name)
-            }
-            (ModelFilter::HavingConstant(name), ModelKind::Solid(solid)) => {
-                solid.parameters.iter().any(|own| own.name == name)
+            (ModelFilter::HavingConstant(name), _) => {
+                kind.parameters().iter().any(|own| own.name == name)
             }
             _ => false,
         }
@@ -298,11 +295,8 @@ impl Key {
     /// Returns the presence of the key for `medium`; for a constant the presence in the registry entry of the medium.
     pub fn presence_for(&self, medium: MediumKind) -> Presence {
         let constant = match (self.storage, medium.kind, medium.yield_set) {
-            (KeyStorage::ModelConstant(name), ModelKind::Flow(flow), _) => {
-                flow.parameters().iter().find(|own| own.name == name)
-            }
-            (KeyStorage::ModelConstant(name), ModelKind::Solid(solid), _) => {
-                solid.parameters.iter().find(|own| own.name == name)
+            (KeyStorage::ModelConstant(name), kind, _) => {
+                kind.parameters().iter().find(|own| own.name == name)
             }
             (KeyStorage::YieldConstant(name), ModelKind::Solid(solid), Some(set)) => {
                 set.parameters_for(solid.theory).find(|own| own.name == name)

@@ -1,6 +1,6 @@
 //! Schemas of the sections of plane waves.
 
-use super::{PoreContactKind, SpallShape};
+use super::{DashpotArrangement, PoreContactKind, SpallShape};
 use crate::schema::{AllowedRange, KeyCondition, KeyGroup, KeySchema, TableSchema, ValueType};
 
 const YIELD_STRESS_KEY: KeySchema = KeySchema::new_optional(
@@ -50,7 +50,7 @@ pub(crate) const GRANULAR_SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::Number(AllowedRange::Positive),
             "Pa·s",
             "1e6",
-            "viscosity η_s of the particles: the deviator of the stress decays by exp(−μt/η_s) at constant strain; for wellposed run",
+            "viscosity η_s of the particles; with a dashpot in series the deviator of the stress decays by exp(−μt/η_s) at constant strain; for wellposed run",
         )
         .with_note("viscosity of shear"),
         KeySchema::new_optional(
@@ -58,9 +58,16 @@ pub(crate) const GRANULAR_SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::Number(AllowedRange::Positive),
             "Pa·s",
             "2e6",
-            "viscosity η_v of the particles: the pressure decays by exp(−kt/η_v) at constant strain; for wellposed run",
+            "viscosity η_v of the particles; with a dashpot in series the pressure decays by exp(−kt/η_v) at constant strain; for wellposed run",
         )
         .with_note("viscosity of volume"),
+        KeySchema::new_optional(
+            "dashpot",
+            ValueType::OneOf(|_| names(DashpotArrangement::ALL, DashpotArrangement::name)),
+            "",
+            "\"parallel\"",
+            "arrangement of spring and dashpot of viscous particles; series, the default: Maxwell; parallel: Kelvin–Voigt, whose time step is at most ρh²/(2η) times 4C² for cells h and the Courant number C",
+        ),
     ])],
 );
 
@@ -103,7 +110,7 @@ pub(crate) const POROUS_SCHEMA: TableSchema = TableSchema::new_section(
                 ValueType::Number(AllowedRange::Positive),
                 "Pa·s",
                 "100.0",
-                "viscosity η_p of the plastic flow: at constant strain τ − τ_s decays by exp(−2μc²t/η_p); for wellposed run",
+                "viscosity η_p of the plastic flow: at constant strain τ − τ_s decays by exp(−2μc²t/η_p); for wellposed run, with a spherical contact",
             )
             .with_note("viscosity of plastic flow")],
         ),

@@ -113,6 +113,14 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     }
 
     #[inline(always)]
+    fn min(mut self, other: Self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].min(other.0[lane]);
+        }
+        self
+    }
+
+    #[inline(always)]
     fn sqrt(mut self) -> Self {
         for lane in 0..COUNT {
             self.0[lane] = self.0[lane].sqrt();

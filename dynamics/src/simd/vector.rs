@@ -6,7 +6,27 @@ use crate::simd::{Lanes, Real, SimdKernel, Vector};
 use super::x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
 
 macro_rules! impl_real {
-    ($kind:ty, $lanes:literal, $avx2:ident, $avx512:ident) => {
+    ($kind:ty, $lanes:literal, $avx2:ident in $avx2_module:ident, $avx512:ident in $avx512_module:ident) => {
+        // Modules of their own, since the compiler makes a codegen unit of each and compiles several at the same time. Not
+        // inlined, so that kernels that other kernels run are compiled once.
+        #[cfg(target_arch = "x86_64")]
+        mod $avx2_module {
+            #[inline(never)]
+            #[target_feature(enable = "avx2")]
+            pub(super) fn run(kernel: impl super::SimdKernel<$kind>) {
+                kernel.run::<super::$avx2>();
+            }
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        mod $avx512_module {
+            #[inline(never)]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+            pub(super) fn run(kernel: impl super::SimdKernel<$kind>) {
+                kernel.run::<super::$avx512>();
+            }
+        }
+
         impl Vector<$kind> for Lanes<$kind, $lanes> {
             #[inline(always)]
             fn load(from: &Self) -> Self {
@@ -62,25 +82,14 @@ macro_rules! impl_real {
 
             #[cfg(target_arch = "x86_64")]
             unsafe fn run_avx2(kernel: impl SimdKernel<Self>) {
-                // Not inlined, so that kernels that other kernels run are compiled once.
-                #[inline(never)]
-                #[target_feature(enable = "avx2")]
-                fn run(kernel: impl SimdKernel<$kind>) {
-                    kernel.run::<$avx2>();
-                }
                 // SAFETY: the caller guarantees AVX2.
-                unsafe { run(kernel) }
+                unsafe { $avx2_module::run(kernel) }
             }
 
             #[cfg(target_arch = "x86_64")]
             unsafe fn run_avx512(kernel: impl SimdKernel<Self>) {
-                #[inline(never)]
-                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-                fn run(kernel: impl SimdKernel<$kind>) {
-                    kernel.run::<$avx512>();
-                }
                 // SAFETY: the caller guarantees AVX-512F, DQ and VL.
-                unsafe { run(kernel) }
+                unsafe { $avx512_module::run(kernel) }
             }
 
             #[cfg(not(target_arch = "x86_64"))]
@@ -93,6 +102,7 @@ macro_rules! impl_real {
                 kernel.run::<Self::Lanes>();
             }
 
+            #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.into()
             }
@@ -109,8 +119,8 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, 16, Avx2Single, Avx512Single);
-impl_real!(f64, 8, Avx2Double, Avx512Double);
+impl_real!(f32, 16, Avx2Single in avx2_single, Avx512Single in avx512_single);
+impl_real!(f64, 8, Avx2Double in avx2_double, Avx512Double in avx512_double);
 
 #[cfg(test)]
 mod tests {

@@ -12,7 +12,7 @@ macro_rules! register_vector {
     (
         $(#[$about:meta])*
         $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
-        $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
+        $add:ident $sub:ident $mul:ident $div:ident $max:ident $min:ident $sqrt:ident
         $load:ident $store:ident $gt:ident $minmod3:ident $flush:ident $shift:ident $blend:ident
     ) => {
         $(#[$about])*
@@ -61,6 +61,14 @@ macro_rules! register_vector {
             fn max(mut self, other: Self) -> Self {
                 for i in 0..$count {
                     self.0[i] = unsafe { $max(self.0[i], other.0[i]) };
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn min(mut self, other: Self) -> Self {
+                for i in 0..$count {
+                    self.0[i] = unsafe { $min(self.0[i], other.0[i]) };
                 }
                 self
             }
@@ -364,28 +372,28 @@ unsafe fn flush_single512(operand: __m512, limit: __m512) -> __m512 {
 register_vector!(
     /// Eight `f64` in two AVX2 registers of four.
     Avx2Double, f64, __m256d, 2 of 4,
-    _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
+    _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd _mm256_min_pd
     _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd gt_double256 minmod3_double256 flush_double256
     shift_double256 blend_double256
 );
 register_vector!(
     /// Sixteen `f32` in two AVX2 registers of eight.
     Avx2Single, f32, __m256, 2 of 8,
-    _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
+    _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps _mm256_min_ps
     _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps gt_single256 minmod3_single256 flush_single256
     shift_single256 blend_single256
 );
 register_vector!(
     /// Eight `f64` in an AVX-512 register.
     Avx512Double, f64, __m512d, 1 of 8,
-    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
+    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd _mm512_min_pd
     _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd gt_double512 minmod3_double512 flush_double512
     shift_double512 blend_double512
 );
 register_vector!(
     /// Sixteen `f32` in an AVX-512 register.
     Avx512Single, f32, __m512, 1 of 16,
-    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
+    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps _mm512_min_ps
     _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps gt_single512 minmod3_single512 flush_single512
     shift_single512 blend_single512
 );

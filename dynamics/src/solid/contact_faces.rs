@@ -127,6 +127,13 @@ impl<T: Real> ContactConstants<T> {
 }
 
 impl<V: Number> ContactConstants<V> {
+    /// Estimates the greatest strain that the jumps at the face between two cells can cause during the sweep.
+    #[inline(always)]
+    fn face_strain(&self, [lower, upper]: [State<V>; 2]) -> V {
+        self.strain_per_velocity * magnitude(upper.velocity - lower.velocity)
+            + self.strain_per_stress * magnitude(upper.stress - lower.stress)
+    }
+
     #[inline(always)]
     pub(crate) fn load<T: Real>(from: &ContactConstants<T::Lanes>) -> Self
     where
@@ -171,9 +178,9 @@ pub(crate) struct FaceStencil<'a, N> {
 pub(crate) type OpenFace<N> = ([InterfaceState<N>; 2], Option<N>);
 
 impl<N: Number> FaceStencil<'_, N> {
-    /// Solves the Riemann problem of the longitudinal pair. `IS_UNIFORM`: all four cells have the same constants.
+    /// Solves the Riemann problem of the longitudinal pair.
     #[inline(always)]
-    pub(crate) fn solve_longitudinal<const IS_UNIFORM: bool>(
+    pub(crate) fn solve_longitudinal(
         &self,
         beside: &FaceContacts<N>,
         slopes: Slopes,
@@ -187,15 +194,8 @@ impl<N: Number> FaceStencil<'_, N> {
             cells[depth] =
                 select_constants(has_open_pores, &self.contacts[depth].open, self.cells[depth]);
         }
-        let waves = face_waves::<N, IS_UNIFORM>(
-            self.states,
-            [&cells[0], &cells[1], &cells[2], &cells[3]],
-            slopes,
-        );
-        let mut solution = match IS_UNIFORM {
-            true => [InterfaceState::riemann_equal_impedance(waves); 2],
-            false => InterfaceState::riemann([cells[1].impedance, cells[2].impedance], waves),
-        };
+        let waves = face_waves(self.states, [&cells[0], &cells[1], &cells[2], &cells[3]], slopes);
+        let mut solution = InterfaceState::riemann([cells[1].impedance, cells[2].impedance], waves);
         for side in 0..2 {
             // Scaled by the impedance of closed contacts, as the update of the cell requires.
             let ratio = self.contacts[1 + side].impedance_ratio;
@@ -204,26 +204,22 @@ impl<N: Number> FaceStencil<'_, N> {
         }
         let Some(excess) = beside.excess else { return (solution, None) };
         let is_open = self.is_open(excess, solution[0].sum);
-        (self.open_face::<IS_UNIFORM>(waves, solution, is_open), Some(is_open))
+        (self.open_face(waves, solution, is_open), Some(is_open))
     }
 
     /// Solves the Riemann problem of a transverse pair at a face that is open where `is_open` is 1; `None` without
     /// granular media.
     #[inline(always)]
-    pub(crate) fn solve_transverse<const IS_UNIFORM: bool>(
+    pub(crate) fn solve_transverse(
         &self,
         is_open: Option<N>,
         slopes: Slopes,
     ) -> [InterfaceState<N>; 2] {
-        let waves = face_waves::<N, IS_UNIFORM>(self.states, self.cells, slopes);
-        let solution = match IS_UNIFORM {
-            true => [InterfaceState::riemann_equal_impedance(waves); 2],
-            false => {
-                InterfaceState::riemann([self.cells[1].impedance, self.cells[2].impedance], waves)
-            }
-        };
+        let waves = face_waves(self.states, self.cells, slopes);
+        let impedances = [self.cells[1].impedance, self.cells[2].impedance];
+        let solution = InterfaceState::riemann(impedances, waves);
         match is_open {
-            Some(is_open) => self.open_face::<IS_UNIFORM>(waves, solution, is_open),
+            Some(is_open) => self.open_face(waves, solution, is_open),
             None => solution,
         }
     }
@@ -231,17 +227,14 @@ impl<N: Number> FaceStencil<'_, N> {
     /// Estimates the greatest strain that the sweep can cause in each of the two cells beside the face.
     #[inline(always)]
     fn greatest_strains(&self) -> [N; 2] {
-        let (mut velocity, mut stress) = (N::ZERO, N::ZERO);
-        for face in 0..3 {
-            let [lower, upper] = [self.states[face], self.states[face + 1]];
-            velocity = velocity + magnitude(upper.velocity - lower.velocity);
-            stress = stress + magnitude(upper.stress - lower.stress);
+        let mut strains = [N::ZERO; 2];
+        for side in 0..2 {
+            for face in 0..3 {
+                let states = [self.states[face], self.states[face + 1]];
+                strains[side] = strains[side] + self.contacts[1 + side].face_strain(states);
+            }
         }
-        let [lower, upper] = [self.contacts[1], self.contacts[2]];
-        [
-            lower.strain_per_velocity * velocity + lower.strain_per_stress * stress,
-            upper.strain_per_velocity * velocity + upper.strain_per_stress * stress,
-        ]
+        strains
     }
 
     /// Returns 1 where the pores of both cells stay open during the sweep, else 0.
@@ -283,7 +276,7 @@ impl<N: Number> FaceStencil<'_, N> {
 
     /// Replaces the solution of the Riemann problem where the face is open.
     #[inline(always)]
-    fn open_face<const IS_UNIFORM: bool>(
+    fn open_face(
         &self,
         [left, right]: [N; 2],
         solution: [InterfaceState<N>; 2],
@@ -292,20 +285,19 @@ impl<N: Number> FaceStencil<'_, N> {
         let [lower, upper] = [self.cells[1].impedance, self.cells[2].impedance];
         let [granular_below, granular_above] =
             [self.contacts[1].is_granular, self.contacts[2].is_granular];
-        // Share of the opening that the lower cell takes as strain: 1, ½ or 0.
-        let share = granular_below * (N::ONE - N::HALF * granular_above);
+        // Twice the shares of the opening that the cells take as strain: 2 and 0, both 1, or 0 and 2. In one medium the
+        // velocity is that of the closed face, bit for bit.
+        let above_weight = granular_below * (N::ONE + N::ONE - granular_above);
+        let below_weight = N::ONE + N::ONE - above_weight;
         // Velocities of both sides, −left/lower and right/upper, times the impedance of each cell.
-        let ratios = match IS_UNIFORM {
-            true => [N::ONE; 2],
-            false => [lower / upper, upper / lower],
-        };
+        let ratios = [lower / upper, upper / lower];
         let scaled = [[-left, ratios[0] * right], [-(ratios[1] * left), right]];
         let mut result = solution;
         for side in 0..2 {
             let [below, above] = scaled[side];
-            let velocity = below + share * (above - below);
+            let velocity = below_weight * below + above_weight * above;
             let state = &mut result[side];
-            state.difference = is_open.select_gt(N::ZERO, velocity + velocity, state.difference);
+            state.difference = is_open.select_gt(N::ZERO, velocity, state.difference);
             state.sum = is_open.select_gt(N::ZERO, N::ZERO, state.sum);
         }
         result
@@ -314,15 +306,11 @@ impl<N: Number> FaceStencil<'_, N> {
 
 /// Computes the time-averaged waves at a face from the four cells around it.
 #[inline(always)]
-fn face_waves<N: Number, const IS_UNIFORM: bool>(
+fn face_waves<N: Number>(
     states: [State<N>; 4],
     cells: [&CellConstants<N>; 4],
     slopes: Slopes,
 ) -> [N; 2] {
-    if IS_UNIFORM {
-        let stencil = InterlayerStencil { continuity: [N::ONE; 3], weights: [[N::ZERO; 4]; 2] };
-        return slopes.incident_waves_beside_interlayers(None, states, cells[1], &stencil);
-    }
     let [first, lower, upper, _] = cells;
     let carried = slopes.carried_invariants(
         [states[0], states[1], states[2]],
@@ -359,4 +347,150 @@ fn select_constants<N: Number>(
 #[inline(always)]
 fn magnitude<N: Number>(value: N) -> N {
     value.max(-value)
+}
+
+/// Faces of a granular medium along a line: what one face leaves to the next. The results are those of [`FaceStencil`]
+/// for cells of one medium.
+#[derive(Clone, Copy)]
+pub(crate) struct SeparationStencil<V> {
+    /// Estimates of the strain that the jumps at the next face and at the face below it can cause, from the lower one.
+    strains: [V; 2],
+    below: ContactState<V>,
+}
+
+/// Contacts of a group of cells.
+#[derive(Clone, Copy)]
+struct ContactState<V> {
+    /// Volumetric strain by which the contacts are open.
+    opening: V,
+    /// Mask of the lanes that are under stress or beyond a physical boundary.
+    stressed: u16,
+    outside: u16,
+}
+
+impl<V: Number> ContactState<V> {
+    #[inline(always)]
+    fn new<T: Real>(state: State<V>, excess: V, constants: &ContactConstants<V>) -> Self
+    where
+        V: Vector<T>,
+    {
+        let boundary = <V as Number>::from_f64(0.5 * BOUNDARY_HISTORY);
+        Self {
+            opening: excess * constants.excess_compliance,
+            stressed: magnitude(state.stress).greater_lanes(V::ZERO),
+            outside: boundary.greater_lanes(excess),
+        }
+    }
+}
+
+impl<V: Number> SeparationStencil<V> {
+    /// Creates the stencil of the face between two groups; `excess`: that of the lower one, `first_strain`: what
+    /// [`Self::lower_strain`] has returned.
+    #[inline(always)]
+    pub(crate) fn new<T: Real>(
+        states: [State<V>; 2],
+        first_strain: V,
+        excess: V,
+        constants: &ContactConstants<V>,
+    ) -> Self
+    where
+        V: Vector<T>,
+    {
+        Self {
+            strains: [first_strain, constants.face_strain(states)],
+            below: ContactState::new(states[0], excess, constants),
+        }
+    }
+
+    /// Returns the estimate for the face below the next one.
+    #[inline(always)]
+    pub(crate) fn lower_strain(&self) -> V {
+        self.strains[0]
+    }
+
+    /// Returns the mask of the lanes without traction at the face below the first of two groups, and advances to the
+    /// next face. `excess`: that of the first group; `normal_stress`: a positive multiple of the normal stress that the
+    /// closed face would have.
+    #[inline(always)]
+    pub(crate) fn find_open_lanes<T: Real>(
+        &mut self,
+        states: [State<V>; 2],
+        excess: V,
+        normal_stress: V,
+        constants: &ContactConstants<V>,
+    ) -> u16
+    where
+        V: Vector<T>,
+    {
+        let above = ContactState::new(states[0], excess, constants);
+        let strain = constants.face_strain(states);
+        let greatest_strain = self.strains[0] + self.strains[1] + strain;
+        let stay_open = self.below.opening.greater_lanes(greatest_strain)
+            & above.opening.greater_lanes(greatest_strain)
+            & !(self.below.stressed | above.stressed);
+        let is_tensile = normal_stress.greater_lanes(V::ZERO);
+        let is_granular = constants.is_granular.greater_lanes(V::ZERO);
+        let outside = self.below.outside | above.outside;
+        *self = Self { strains: [self.strains[1], strain], below: above };
+        (stay_open | is_tensile) & is_granular & !outside
+    }
+}
+
+/// Faces of a porous medium along a line: what one face leaves to the next. The results are those of [`FaceStencil`] for
+/// cells of one medium.
+#[derive(Clone, Copy)]
+pub(crate) struct OpenPoresStencil<V> {
+    /// Estimates of the strain that the jumps at the next face and at the face below it can cause, from the lower one.
+    strains: [V; 2],
+    /// Volume of the open pores of the group below the next face.
+    opening: V,
+}
+
+impl<V: Number> OpenPoresStencil<V> {
+    /// Creates the stencil of the face between the last two of three groups; `opening`: volume of the open pores of the
+    /// second one.
+    #[inline(always)]
+    pub(crate) fn new(
+        [first, lower, upper]: [State<V>; 3],
+        opening: V,
+        constants: &ContactConstants<V>,
+    ) -> Self {
+        let strains =
+            [constants.face_strain([first, lower]), constants.face_strain([lower, upper])];
+        Self { strains, opening }
+    }
+
+    /// Solves the Riemann problem at the middle of the three faces between four groups, and advances to the next face;
+    /// `opening`: volume of the open pores of the third group.
+    #[inline(always)]
+    pub(crate) fn solve<T: Real>(
+        &mut self,
+        states: [State<V>; 4],
+        opening: V,
+        cell: &CellConstants<V>,
+        constants: &ContactConstants<V>,
+    ) -> InterfaceState<V>
+    where
+        V: Vector<T>,
+    {
+        let strain = constants.face_strain([states[2], states[3]]);
+        let greatest_strain = self.strains[0] + self.strains[1] + strain;
+        let lanes =
+            self.opening.greater_lanes(greatest_strain) & opening.greater_lanes(greatest_strain);
+        let open = &constants.open;
+        let cell = CellConstants {
+            impedance: cell.impedance.blend_lanes(lanes, open.impedance),
+            mean_slope_weight: cell.mean_slope_weight.blend_lanes(lanes, open.mean_slope_weight),
+            upwind_bound: cell.upwind_bound.blend_lanes(lanes, open.upwind_bound),
+            ..*cell
+        };
+        let stencil = InterlayerStencil { continuity: [V::ONE; 3], weights: [[V::ZERO; 4]; 2] };
+        let waves =
+            Slopes::Limited.incident_waves_beside_interlayers(None, states, &cell, &stencil);
+        let mut face = InterfaceState::riemann_equal_impedance(waves);
+        // Scaled by the impedance of closed contacts, as the update of the cell requires.
+        face.difference = V::ONE.blend_lanes(lanes, constants.impedance_ratio) * face.difference;
+        *self = Self { strains: [self.strains[1], strain], opening };
+        face
+    }
 }

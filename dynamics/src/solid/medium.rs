@@ -8,7 +8,6 @@ use models::solid::ElasticLaw;
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::solid::waves::{SolidField, SpinRotation, VelocityStressPair};
-use models::uniaxial::NO_LIMIT;
 use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
 use std::collections::BTreeMap;
@@ -78,8 +77,18 @@ impl Medium {
             fields.extend(by_component(SolidField::ViscousStrain));
         }
         match self.contact {
-            Some(ContactLaw::Granular { .. } | ContactLaw::PorousCone { .. }) => {
+            Some(
+                contact @ (ContactLaw::Granular { .. }
+                | ContactLaw::PorousCone { .. }
+                | ContactLaw::PorousPlasticCone { .. }),
+            ) => {
                 fields.extend(by_component(SolidField::ExcessStress));
+                if contact.damped_spring().is_some() {
+                    fields.extend(by_component(SolidField::SpringStress));
+                }
+                if contact.plastic_spring_modulus().is_some() {
+                    fields.extend(by_component(SolidField::PlasticStrain));
+                }
             }
             Some(ContactLaw::Porous { .. }) => {
                 fields.extend([SolidField::VolumetricStrain, SolidField::PoreClosure]);
@@ -102,11 +111,7 @@ impl Medium {
 
     /// Whether the medium can flow plastically: by a yield set, or by the yield stress of particles in contact.
     pub fn is_plastic(&self) -> bool {
-        let has_plastic_particles = match &self.contact {
-            Some(ContactLaw::Granular { law, .. }) => law.yield_stress < NO_LIMIT,
-            _ => false,
-        };
-        self.yield_set.is_some() || has_plastic_particles
+        self.yield_set.is_some() || self.contact.is_some_and(|own| own.is_plastic())
     }
 
     /// Whether stresses relax: in a standard linear solid, or by viscous particles in contact.
@@ -228,11 +233,12 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
         }
         medium.stored_energy(&stress)
     };
-    let excess = |solid: &Isotropic, places: &[usize]| {
+    let history = |solid: &Isotropic, places: &[usize], value: fn(SolidField) -> HistoryStress| {
         let mut stress = Stress::default();
         for &place in places {
-            if let SolidField::ExcessStress(i, j) = fields[place] {
-                (stress.force[i][j], stress.force[j][i]) = (1.0, 1.0);
+            if let Some((i, j, value)) = value(fields[place]) {
+                stress.force[i][j] += value;
+                stress.force[j][i] = stress.force[i][j];
             }
         }
         solid.stored_energy(&stress)
@@ -257,8 +263,34 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
             }
             SolidField::ExcessStress(..) => {
                 if let Some(solid) = medium.contact.and_then(|own| own.excess_solid()) {
-                    add_quadratic_terms(&mut terms, one, |places| excess(&solid, places));
+                    let energy = |places: &[usize]| history(&solid, places, excess_stress);
+                    add_quadratic_terms(&mut terms, one, energy);
                 }
+            }
+            SolidField::PlasticStrain(..) => {
+                let Some(contact) = &medium.contact else { continue };
+                let constants = (contact.excess_solid(), contact.plastic_spring_modulus());
+                let (Some(solid), Some(modulus)) = constants else { continue };
+                // Terms of the stress 2μ_bεᵖ, which is of the size of the other one.
+                let energy = |places: &[usize]| history(&solid, places, excess_stress);
+                let mut own = Vec::new();
+                add_quadratic_terms(&mut own, one, energy);
+                let is_strain =
+                    |place: usize| matches!(fields[place], SolidField::PlasticStrain(..));
+                terms.extend(own.into_iter().map(|(one, other, factor)| {
+                    let power = i32::from(is_strain(one)) + i32::from(is_strain(other));
+                    (one, other, factor * modulus.powi(power))
+                }));
+            }
+            SolidField::SpringStress(..) => {
+                // ½b:(C⁻¹ − C*⁻¹):b with the stiffness C* of the closed solid.
+                let Some(contact) = &medium.contact else { continue };
+                let Some((_, spring)) = contact.damped_spring() else { continue };
+                let closed = contact.closed_solid();
+                add_quadratic_terms(&mut terms, one, |places| {
+                    history(&spring, places, spring_stress)
+                        - history(&closed, places, spring_stress)
+                });
             }
             _ if medium.inertia(field) > 0.0 => {
                 terms.push((one, one, 0.5 * medium.inertia(field)));
@@ -269,6 +301,26 @@ fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f6
     }
     terms.retain(|term| term.2 != 0.0);
     terms
+}
+
+/// Indices and value of a stress that a unit history variable contributes; `None` if it contributes none.
+type HistoryStress = Option<(usize, usize, f64)>;
+
+/// Returns the stress of a unit excess, or of a unit 2μ_bεᵖ, in the energy of an excess.
+fn excess_stress(field: SolidField) -> HistoryStress {
+    match field {
+        SolidField::ExcessStress(i, j) => Some((i, j, 1.0)),
+        SolidField::PlasticStrain(i, j) => Some((i, j, -1.0)),
+        _ => None,
+    }
+}
+
+/// Returns the unit stress of the spring of particles.
+fn spring_stress(field: SolidField) -> HistoryStress {
+    match field {
+        SolidField::SpringStress(i, j) => Some((i, j, 1.0)),
+        _ => None,
+    }
 }
 
 /// Adds the square of a field, and its products with the fields before it, of an energy that is known for unit fields.

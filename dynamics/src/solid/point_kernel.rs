@@ -176,7 +176,9 @@ fn is_odd(field: SolidField, axis: usize) -> bool {
         SolidField::Spin(k) => k != axis,
         SolidField::Stress(i, j)
         | SolidField::ViscousStrain(i, j)
-        | SolidField::ExcessStress(i, j) => (i == axis) != (j == axis),
+        | SolidField::ExcessStress(i, j)
+        | SolidField::SpringStress(i, j)
+        | SolidField::PlasticStrain(i, j) => (i == axis) != (j == axis),
         SolidField::VolumetricStrain | SolidField::PoreClosure => false,
         SolidField::Couple(k, j) => (k != axis) != (j == axis),
     }

@@ -307,6 +307,10 @@ impl<const D: usize> Problem<D> {
         if self.initial_stress.is_some() || !self.interlayers.is_empty() {
             return refuse("there must be no initial stress and no interlayers");
         }
+        let steps = self.media.iter().filter_map(|medium| medium.contact?.damped_spring());
+        if steps.map(|own| own.0).any(|step| (step - self.step).abs() > 1e-9 * self.step) {
+            return refuse("parallel dashpots must be those of this time step");
+        }
         let is_velocity = |field: &SolidField| matches!(field, SolidField::Velocity(_));
         let mut amplitudes = self.sources.iter().flat_map(|source| &source.amplitudes);
         if !amplitudes.all(|(field, _)| is_velocity(field)) {

@@ -262,7 +262,7 @@ fn smooth_waves_in_open_and_collapsed_pores_are_second_order() {
 fn a_heteromodular_solid_is_stiffer_in_compression() {
     let count = 400;
     for (sign, modulus) in [(1.0, 5.5 + 4.0 / 3.0 * 2.6), (-1.0, 1.5 + 4.0 / 3.0 * 0.9f64)] {
-        let medium = porous_cone(0.5, 0.0, 2);
+        let medium = porous_cone(0.5, 0.0, None, 2);
         let ends = [Boundary::Free, Boundary::Free];
         let problem = column(medium, count, 0.9, ends);
         let mut column = solver(&problem);
@@ -325,8 +325,7 @@ fn the_precursor_of_a_compaction_shock_reaches_the_yield_limit() {
     };
     let law = ContactLaw::from_porous(&PorousMedium::new(parameters).expect("sound constants"));
     let yield_set = Mises::new_von_mises(limit / 0.75f64.sqrt());
-    let medium =
-        Medium::with_contact(law.expect("a spherical contact"), 2).with_yield_set(yield_set);
+    let medium = Medium::with_contact(law, 2).with_yield_set(yield_set);
     let side = Boundary::ByPair(vec![Condition::Traction(0.0), Condition::Velocity(0.0)]);
     let count = 1000;
     let mut problem = column(medium, count, 0.8, [side.clone(), side]);

@@ -7,13 +7,13 @@ use crate::support::media::classical;
 use crate::support::noise;
 use crate::support::random::NoiseSequence;
 use models::granular_medium::{
-    GranularContact, GranularMedium, GranularParameters, MaxwellParticles,
+    GranularContact, GranularMedium, GranularParameters, KelvinVoigtParticles, MaxwellParticles,
 };
 use models::porous::{PoreContact, PorousMedium, PorousParameters};
 use models::solid::waves::SolidField;
 use models::yield_set::parameters::Mises;
 use wellposed_dynamics::boundary::Boundary;
-use wellposed_dynamics::contact_law::ContactLaw;
+use wellposed_dynamics::contact_law::{ContactLaw, ViscousParticles};
 use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
@@ -51,7 +51,7 @@ pub fn porous(contact_modulus: f64, porosity: f64, is_plastic: bool, dimensions:
         contact: PoreContact::Spherical,
     };
     let medium = PorousMedium::new(parameters).expect("sound constants");
-    let law = ContactLaw::from_porous(&medium).expect("a spherical contact");
+    let law = ContactLaw::from_porous(&medium);
     let medium = Medium::with_contact(law, dimensions);
     match is_plastic {
         true => medium.with_yield_set(Mises::new_von_mises(YIELD_STRESS)),
@@ -59,26 +59,65 @@ pub fn porous(contact_modulus: f64, porosity: f64, is_plastic: bool, dimensions:
     }
 }
 
-/// Returns a porous medium with an elastic skeleton, whose pore walls transmit stresses in a friction cone; without pores
-/// it is a heteromodular solid.
-pub fn porous_cone(friction: f64, porosity: f64, dimensions: usize) -> Medium {
+/// Returns a porous medium whose pore walls transmit stresses in a friction cone; without pores and plastic flow it is a
+/// heteromodular solid.
+pub fn porous_cone(
+    friction: f64,
+    porosity: f64,
+    yield_stress: Option<f64>,
+    dimensions: usize,
+) -> Medium {
     let parameters = PorousParameters {
         density: 1.2,
         bulk_modulus: 1.5,
         shear_modulus: 0.9,
-        yield_stress: None,
+        yield_stress,
         intensity_coefficient: 0.375,
         contact_bulk_modulus: 4.0,
         porosity,
         contact: PoreContact::Frictional { shear_modulus: 1.7, friction },
     };
     let medium = PorousMedium::new(parameters).expect("sound constants");
-    let law = ContactLaw::from_porous(&medium).expect("an elastic skeleton");
+    let law = ContactLaw::from_porous(&medium);
     Medium::with_contact(law, dimensions)
 }
 
 /// Returns a granular medium with viscous particles.
 pub fn viscous_granular(yield_stress: Option<f64>, dimensions: usize) -> Medium {
+    let medium = soft_granular(yield_stress);
+    let law = GranularContact::new(&medium);
+    let particles = MaxwellParticles::new(&law, 0.9, [Some(2.0), Some(5.0)]);
+    let contact = ContactLaw::from_viscous(&medium, particles.expect("sound viscosities"));
+    Medium::with_contact(contact, dimensions)
+}
+
+/// Returns a granular medium with parallel dashpots, which are springs of the modulus 1.6 for shear and `bulk_modulus` for
+/// volume in a step of any size; see [`set_steps`].
+pub fn damped_granular(
+    bulk_modulus: Option<f64>,
+    yield_stress: Option<f64>,
+    dimensions: usize,
+) -> Medium {
+    let viscosities = [Some(0.8), bulk_modulus.map(|modulus| 0.5 * modulus)];
+    let particles = KelvinVoigtParticles::new(viscosities).expect("sound viscosities");
+    let contact = ContactLaw::from_damped(&soft_granular(yield_stress), particles, 1.0);
+    Medium::with_contact(contact, dimensions)
+}
+
+/// Sets the time step of parallel dashpots, whose moduli in a step it does not change.
+fn set_steps(media: &mut [Medium], time_step: f64) {
+    for medium in media {
+        if let Some(ContactLaw::Granular {
+            particles: Some(ViscousParticles::KelvinVoigt { step, .. }),
+            ..
+        }) = &mut medium.contact
+        {
+            *step = time_step;
+        }
+    }
+}
+
+fn soft_granular(yield_stress: Option<f64>) -> GranularMedium {
     let parameters = GranularParameters {
         density: 1.2,
         bulk_modulus: 1.5,
@@ -87,15 +126,11 @@ pub fn viscous_granular(yield_stress: Option<f64>, dimensions: usize) -> Medium 
         yield_stress,
         intensity_coefficient: 0.375,
     };
-    let medium = GranularMedium::new(parameters).expect("sound constants");
-    let law = GranularContact::new(&medium);
-    let particles = MaxwellParticles::new(&law, 0.9, [Some(2.0), Some(5.0)]);
-    let contact = ContactLaw::from_viscous(&medium, particles.expect("sound viscosities"));
-    Medium::with_contact(contact, dimensions)
+    GranularMedium::new(parameters).expect("sound constants")
 }
 
 fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
-    let medium = |random: &mut NoiseSequence| match random.uniform_index(7) {
+    let medium = |random: &mut NoiseSequence| match random.uniform_index(9) {
         0 | 1 => {
             let friction = random.choose(&[0.0, 0.5, 0.5, 1.2]);
             granular(friction, random.choose(&[None, Some(YIELD_STRESS)]), D)
@@ -113,7 +148,16 @@ fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
             }
         }
         5 => viscous_granular(random.choose(&[None, Some(YIELD_STRESS)]), D),
-        4 => porous_cone(random.choose(&[0.0, 0.5, 1.2]), random.choose(&[0.0, 0.02]), D),
+        4 => porous_cone(random.choose(&[0.0, 0.5, 1.2]), random.choose(&[0.0, 0.02]), None, D),
+        6 => {
+            let (friction, porosity) =
+                (random.choose(&[0.0, 0.5, 1.2]), random.choose(&[0.0, 0.02]));
+            porous_cone(friction, porosity, Some(YIELD_STRESS), D)
+        }
+        7 => {
+            let modulus = random.choose(&[None, Some(4.0)]);
+            damped_granular(modulus, random.choose(&[None, Some(YIELD_STRESS)]), D)
+        }
         _ => {
             let medium = Medium::new(classical(random.choose(&[0.3, 2.3])), D);
             match random.is_one_in(2) {
@@ -150,6 +194,7 @@ fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     if D == 2 && random.is_one_in(2) {
         make_polar(random, &mut problem);
     }
+    set_steps(&mut problem.media, problem.step);
     problem
 }
 
@@ -174,7 +219,7 @@ fn fused_solver_equals_the_reference_in_single_precision() {
 /// Runs a problem with random initial velocities and no loads; returns the energies after each step, relative to that at
 /// the start, and the greatest normal stress, relative to the greatest magnitude of a stress.
 fn run_random_pulses<const D: usize>(
-    media: Vec<Medium>,
+    mut media: Vec<Medium>,
     cells: [usize; D],
     (boundary, seed, steps): (&Boundary, u64, usize),
 ) -> (Vec<f64>, f64) {
@@ -184,6 +229,7 @@ fn run_random_pulses<const D: usize>(
     let of_cell = (0..count).map(|cell| (cell % cells[0] / patch % media.len()) as u16).collect();
     let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     let step = random.choose(&[2.0, 1.6]) * 0.1 / speed;
+    set_steps(&mut media, step);
     let scheme = Scheme {
         splitting: Splitting::TwoCyclic,
         ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping)
@@ -223,23 +269,25 @@ fn check_random_pulses(seeds: std::ops::Range<u64>, steps: usize) {
         let yield_stress = random.choose(&[None, Some(YIELD_STRESS)]);
         let boundary =
             [Boundary::Free, Boundary::Fixed, Boundary::Periodic][random.uniform_index(3)].clone();
-        for kind in 0..6 {
+        for kind in 0..8 {
             let media = |dimensions: usize| match kind {
                 0 => vec![granular(friction, yield_stress, dimensions)],
                 1 => vec![porous(5.0, 0.05, yield_stress.is_some(), dimensions)],
                 4 => vec![porous(5.0, 0.05, true, dimensions).with_overstress_time(0.3)],
                 3 => vec![viscous_granular(yield_stress, dimensions)],
-                2 => vec![porous_cone(friction, 0.02, dimensions)],
+                2 => vec![porous_cone(friction, 0.02, None, dimensions)],
+                6 => vec![porous_cone(friction, 0.02, Some(YIELD_STRESS), dimensions)],
+                7 => vec![damped_granular(Some(4.0), yield_stress, dimensions)],
                 _ => vec![
                     granular(friction, yield_stress, dimensions),
                     Medium::new(classical(0.8), dimensions),
                     porous(5.0, 0.02, false, dimensions),
-                    porous_cone(friction, 0.0, dimensions),
+                    porous_cone(friction, 0.0, None, dimensions),
                 ],
             };
             // Beside free boundaries see `energy_of_sand_does_not_grow_beside_free_boundaries`.
             let boundary = match (kind, &boundary) {
-                (3, Boundary::Free) => Boundary::Fixed,
+                (3 | 7, Boundary::Free) => Boundary::Fixed,
                 _ => boundary.clone(),
             };
             let run = (&boundary, seed, steps);
@@ -290,8 +338,11 @@ fn ledgers_of_media_with_contacts_close() {
     let media = [
         granular(0.5, Some(YIELD_STRESS), 2),
         porous(5.0, 0.05, true, 2),
-        porous_cone(0.5, 0.02, 2),
+        porous_cone(0.5, 0.02, None, 2),
+        porous_cone(0.5, 0.02, Some(YIELD_STRESS), 2),
         viscous_granular(Some(YIELD_STRESS), 2),
+        damped_granular(Some(4.0), None, 2),
+        damped_granular(None, Some(YIELD_STRESS), 2),
         porous(5.0, 0.05, true, 2).with_overstress_time(0.2),
     ];
     for (index, medium) in media.into_iter().enumerate() {
@@ -311,6 +362,7 @@ fn ledgers_of_media_with_contacts_close() {
             step,
             scheme,
         );
+        set_steps(&mut problem.media, step);
         problem.acceleration = [0.05, -0.02];
         let mut reference: Reference<f64, 2> = Reference::new(&problem).expect("a sound problem");
         let velocities: Vec<f64> = (0..154).map(|cell| noise(cell + 1000)).collect();

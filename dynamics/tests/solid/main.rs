@@ -9,6 +9,7 @@ mod blocky_media;
 mod configurations;
 mod contact_waves;
 mod contacts;
+mod damped_waves;
 mod decomposition;
 mod domain;
 mod energy;

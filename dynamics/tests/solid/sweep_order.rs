@@ -38,6 +38,14 @@ fn field_in_frame(field: SolidField, frame: Frame) -> SolidField {
             let [i, j] = [frame[i], frame[j]];
             SolidField::ExcessStress(i.min(j), i.max(j))
         }
+        SolidField::SpringStress(i, j) => {
+            let [i, j] = [frame[i], frame[j]];
+            SolidField::SpringStress(i.min(j), i.max(j))
+        }
+        SolidField::PlasticStrain(i, j) => {
+            let [i, j] = [frame[i], frame[j]];
+            SolidField::PlasticStrain(i.min(j), i.max(j))
+        }
         SolidField::VolumetricStrain | SolidField::PoreClosure => field,
     }
 }

@@ -1,7 +1,9 @@
 //! Example verdict maps.
 
 use crate::sampling::sample_interval;
-use wellposed_figures::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+use wellposed_figures::{
+    FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis,
+};
 
 fn build_categories<const N: usize>(entries: [(&str, FillStyle); N]) -> Vec<VerdictCategory> {
     let categories =
@@ -37,12 +39,14 @@ pub fn build_noncoaxiality_map() -> VerdictMap {
         y: VerdictMapAxis { label: "friction angle φ (°)".to_owned(), values: y },
         categories: build_categories([
             ("well-posed", FillStyle::WellPosed),
-            ("ill-posed, order 1", FillStyle::IllPosed),
+            ("ill-posed, order 1", FillStyle::IllPosed(Hatching::Plain)),
             ("marginal", FillStyle::Marginal),
         ]),
         category_indices: cells,
         growth_levels: level,
         level_label: "growth coefficient lim Re ς / k (m/s)".to_owned(),
+        boundaries: Default::default(),
+        is_line: Vec::new(),
         curves: vec![bound(-45.0), bound(45.0)],
     }
 }
@@ -86,8 +90,8 @@ pub fn build_all_verdicts_map() -> VerdictMap {
         y: VerdictMapAxis { label: "dilatancy angle ν (°)".to_owned(), values: y },
         categories: build_categories([
             ("well-posed", FillStyle::WellPosed),
-            ("ill-posed, order 1", FillStyle::IllPosed),
-            ("ill-posed, order ½", FillStyle::IllPosed),
+            ("ill-posed, order 1", FillStyle::IllPosed(Hatching::Plain)),
+            ("ill-posed, order ½", FillStyle::IllPosed(Hatching::Rising)),
             ("marginal", FillStyle::Marginal),
             ("unbounded at finite k", FillStyle::UnboundedAtFiniteWaveNumber),
             ("indeterminate", FillStyle::Indeterminate),
@@ -96,6 +100,8 @@ pub fn build_all_verdicts_map() -> VerdictMap {
         category_indices: cells,
         growth_levels: level,
         level_label: "growth coefficient lim Re ς / kᵐ (mᵐ/s)".to_owned(),
+        boundaries: Default::default(),
+        is_line: Vec::new(),
         curves: vec![bound(0.615, "bound in closed form"), bound(1.05, "sufficient condition")],
     }
 }

@@ -40,6 +40,7 @@ pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
             frequency: over(omega),
             group_speed: over(&slope),
             measured_frequency: over(omega).into_iter().skip(20).step_by(60).collect(),
+            disagreeing_frequency: Vec::new(),
             growth_rate: if has_growth { over(growth) } else { Vec::new() },
         }
     };

@@ -2,7 +2,7 @@
 
 use super::axes::AxisScale;
 use super::figure::{DispersionBranch, DispersionFigure};
-use super::plot::DispersionPanel;
+use super::plot::{DispersionPanel, level_labels_width};
 use super::styles::{CUTOFF_DASHES, SPEED_LIMIT_DASHES};
 use crate::error::FigureError;
 use crate::format::FigureFormat;
@@ -39,13 +39,17 @@ impl DispersionFigure {
             left_axis = left_axis.max(axis(&growth, bottom - split - between));
         }
         let half = 0.5 * (page::WIDTH - 2.0 * MARGIN - 30.0);
-        let left =
-            Rectangle { left: MARGIN + left_axis, top, right: MARGIN + half - 16.0, bottom: split };
+        let left = Rectangle {
+            left: MARGIN + left_axis,
+            top,
+            right: MARGIN + half - 16.0 - level_labels_width(&self.cutoffs),
+            bottom: split,
+        };
         let right_axis = axis(&speed, bottom - top);
         let right = Rectangle {
             left: MARGIN + half + 30.0 + right_axis,
             top,
-            right: page::WIDTH - MARGIN - 16.0,
+            right: page::WIDTH - MARGIN - 16.0 - level_labels_width(&self.speed_limits),
             bottom,
         };
         let lines =
@@ -57,16 +61,24 @@ impl DispersionFigure {
             solid_lines: solid,
             dashed_lines: Vec::new(),
             measured_points: Vec::new(),
+            disagreeing_points: Vec::new(),
             levels: &[],
             level_dashes: CUTOFF_DASHES,
             bands: &[],
         };
+        let disagreeing: Vec<Point> = self
+            .branches
+            .iter()
+            .flat_map(|branch| &branch.disagreeing_frequency)
+            .copied()
+            .collect();
         let frequencies = DispersionPanel {
             measured_points: self
                 .branches
                 .iter()
                 .map(|branch| branch.measured_frequency.clone())
                 .collect(),
+            disagreeing_points: disagreeing.clone(),
             levels: &self.cutoffs,
             bands: &self.bands,
             ..plot(left, frequency, lines(&|branch| branch.frequency.clone()))
@@ -82,6 +94,7 @@ impl DispersionFigure {
         let speeds = DispersionPanel {
             dashed_lines: lines(&|branch| branch.group_speed.clone()),
             measured_points: lines(&|branch| Self::phase_speeds(&branch.measured_frequency)),
+            disagreeing_points: Self::phase_speeds(&disagreeing),
             levels: &self.speed_limits,
             level_dashes: SPEED_LIMIT_DASHES,
             ..plot(right, speed, lines(&Self::branch_phase_speeds))

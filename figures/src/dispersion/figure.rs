@@ -14,6 +14,8 @@ pub struct DispersionBranch {
     /// Measured pairs of wave number and angular frequency, drawn as rings, with their phase speeds in the panel of
     /// speeds; may be empty.
     pub measured_frequency: Vec<[f64; 2]>,
+    /// Those of the measured pairs that disagree with the prediction, marked by red crosses; may be empty.
+    pub disagreeing_frequency: Vec<[f64; 2]>,
     /// Pairs of wave number and growth rate; may be empty. The panel of growth rates is drawn if at least one branch
     /// has growth rates.
     pub growth_rate: Vec<[f64; 2]>,

@@ -1,10 +1,10 @@
 //! Legend of a dispersion figure.
 
 use super::figure::DispersionFigure;
-use super::number_discs::{draw_number_disc, draw_ring};
+use super::number_discs::{draw_disagreement, draw_number_disc, draw_ring};
 use super::styles::{
     BAND_COLOUR, BRANCH_COLOURS, CUTOFF_DASHES, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH,
-    SPEED_LIMIT_DASHES,
+    SPEED_LIMIT_DASHES, branch_width,
 };
 use crate::growth::{LINE_WIDTH, LINEAR_RANGE_COLOUR};
 use crate::page::LegendEntry;
@@ -17,7 +17,7 @@ impl DispersionFigure {
         for (index, branch) in self.branches.iter().enumerate() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 let (y, colour) = (middle(area), BRANCH_COLOURS[index % BRANCH_COLOURS.len()]);
-                picture.draw_line([[area.left, y], [area.right, y]], LINE_WIDTH, colour);
+                picture.draw_line([[area.left, y], [area.right, y]], branch_width(index), colour);
                 draw_number_disc(picture, [0.5 * (area.left + area.right), y], index + 1, colour);
             };
             entries.push((branch.label.clone(), Box::new(swatch)));
@@ -46,6 +46,12 @@ impl DispersionFigure {
                 draw_ring(picture, place, INK);
             };
             entries.push(("measured in time".to_owned(), Box::new(swatch)));
+        }
+        if self.branches.iter().any(|branch| !branch.disagreeing_frequency.is_empty()) {
+            let swatch = move |picture: &mut Picture, area: Rectangle| {
+                draw_disagreement(picture, [0.5 * (area.left + area.right), middle(area)]);
+            };
+            entries.push(("disagrees with the prediction".to_owned(), Box::new(swatch)));
         }
         for (index, band) in self.bands.iter().enumerate() {
             if self.bands[..index].iter().all(|other| other.label != band.label) {

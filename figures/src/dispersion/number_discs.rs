@@ -5,6 +5,9 @@ use crate::picture::{Anchor, Colour, Picture, Point, Rectangle, Text, WHITE, tex
 /// Outer radius of a ring, pixels.
 pub(super) const RING_RADIUS: f64 = 9.0;
 
+/// Colour of points that disagree.
+const DISAGREEMENT_COLOUR: Colour = plotters::style::RGBColor(205, 0, 30);
+
 /// Radius of the disc that carries a number, pixels.
 pub(crate) const NUMBER_DISC_RADIUS: f64 = 15.0;
 
@@ -30,6 +33,20 @@ pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
     picture.fill_disc(place, RING_RADIUS + 1.5, WHITE);
     picture.fill_disc(place, RING_RADIUS, colour);
     picture.fill_disc(place, RING_RADIUS - 3.5, WHITE);
+}
+
+/// Draws the mark of a measured point that disagrees: a red cross over its ring.
+pub(super) fn draw_disagreement(picture: &mut Picture, [x, y]: Point) {
+    const HALF: f64 = RING_RADIUS + 4.0;
+    for (width, colour) in [(6.5, WHITE), (3.5, DISAGREEMENT_COLOUR)] {
+        for sign in [-1.0, 1.0] {
+            picture.draw_line(
+                [[x - HALF, y - sign * HALF], [x + HALF, y + sign * HALF]],
+                width,
+                colour,
+            );
+        }
+    }
 }
 
 /// Returns the bounding box of a tag.

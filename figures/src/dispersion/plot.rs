@@ -5,11 +5,18 @@ use plotters::style::RGBColor;
 use super::axes::{AxisScale, ScaleKind};
 use super::figure::{FrequencyBand, ReferenceLevel};
 use super::labels::{LABEL_SIZE, densify, place_branch_number, place_text};
-use super::number_discs::{RING_RADIUS, draw_number_disc, draw_ring, number_disc_area};
-use super::styles::{BAND_COLOUR, BRANCH_COLOURS, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH};
-use crate::growth::{GRID_COLOUR, LINE_WIDTH, LINEAR_RANGE_COLOUR};
+use super::number_discs::{
+    RING_RADIUS, draw_disagreement, draw_number_disc, draw_ring, number_disc_area,
+};
+use super::styles::{
+    BAND_COLOUR, BRANCH_COLOURS, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH, branch_width,
+};
+use crate::directions::spread_heights;
+use crate::growth::{GRID_COLOUR, LINEAR_RANGE_COLOUR};
 use crate::page::{self, FRAME_LINE_WIDTH};
-use crate::picture::{INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline};
+use crate::picture::{
+    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, clip_polyline, text_width,
+};
 use crate::scale::Tick;
 
 /// Content of one panel.
@@ -23,6 +30,8 @@ pub(super) struct DispersionPanel<'a> {
     pub(super) dashed_lines: Vec<Vec<Point>>,
     /// Measured points of each branch, drawn as rings.
     pub(super) measured_points: Vec<Vec<Point>>,
+    /// Measured points that disagree with the prediction.
+    pub(super) disagreeing_points: Vec<Point>,
     pub(super) levels: &'a [ReferenceLevel],
     pub(super) level_dashes: &'static [f64],
     pub(super) bands: &'a [FrequencyBand],
@@ -92,7 +101,8 @@ impl DispersionPanel<'_> {
         }
         self.draw_lines(picture, &solid, &dashed);
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
-        self.draw_labels(picture, &levels, &bands, &solid, &dashed);
+        draw_level_labels(picture, frame, levels);
+        self.draw_labels(picture, &bands, &solid, &dashed);
         match x_label {
             Some(name) => page::draw_bottom_axis(picture, frame, &x_ticks, name),
             None => {
@@ -149,10 +159,10 @@ impl DispersionPanel<'_> {
         for (lines, pattern) in [(dashed, GROUP_SPEED_DASHES), (solid, &[])] {
             for (branch, parts) in lines.iter().enumerate() {
                 for part in parts {
-                    picture.draw_dashed_line(
+                    picture.draw_curve(
                         part,
                         pattern,
-                        LINE_WIDTH,
+                        branch_width(branch),
                         BRANCH_COLOURS[branch % BRANCH_COLOURS.len()],
                     );
                 }
@@ -171,38 +181,28 @@ impl DispersionPanel<'_> {
                 }
             }
         }
+        for point in &self.disagreeing_points {
+            let place = self.to_point(*point);
+            if !clip_polyline(&[place, place], frame).is_empty() {
+                draw_disagreement(picture, place);
+            }
+        }
     }
 
-    /// Draws the labels of levels and bands, then the branch numbers, clear of earlier labels. Without free space
-    /// labels of levels and branch numbers cover lines, and labels of bands are omitted.
+    /// Draws the labels of bands, then the branch numbers, clear of earlier labels. Without free space branch numbers
+    /// cover lines, and labels of bands are omitted.
     fn draw_labels(
         &self,
         picture: &mut Picture,
-        levels: &[(f64, &str)],
         bands: &[(Rectangle, &FrequencyBand)],
         solid: &[Vec<Vec<Point>>],
         dashed: &[Vec<Vec<Point>>],
     ) {
         let frame = self.frame;
-        let mut lines: Vec<Vec<Point>> =
+        let lines: Vec<Vec<Point>> =
             solid.iter().chain(dashed).flatten().map(|part| densify(part)).collect();
         let places = self.measured_points.iter().flatten().map(|&point| self.to_point(point));
         let mut occupied: Vec<Rectangle> = places.map(number_disc_area).collect();
-        let level_lines =
-            levels.iter().map(|(y, _)| vec![[frame.left, *y], [frame.right, *y]]).collect();
-        lines.extend::<Vec<Vec<Point>>>(level_lines);
-        for (y, label) in levels {
-            let baselines = [y - 0.24 * LABEL_SIZE - 5.0, y + 0.76 * LABEL_SIZE + 6.0];
-            if let Some((covered_length, text)) =
-                place_text(label, &baselines, frame, &lines, &occupied)
-            {
-                if covered_length > 0.0 {
-                    picture.fill_rectangle(text.bounds(), WHITE);
-                }
-                occupied.push(text.bounds());
-                picture.draw_text(Text { colour: PALE_INK, ..text });
-            }
-        }
         for (area, band) in bands {
             let middle = 0.5 * (area.top + area.bottom) + 0.26 * LABEL_SIZE;
             if area.height() < 1.2 * LABEL_SIZE {
@@ -235,5 +235,34 @@ impl DispersionPanel<'_> {
                 );
             }
         }
+    }
+}
+
+/// Distance of the labels of levels from the frame, which their leader lines bridge, pixels.
+const LEVEL_LABEL_GAP: f64 = 22.0;
+
+/// Returns the width to the right of the frame that the labels of levels need, pixels.
+pub(super) fn level_labels_width(levels: &[ReferenceLevel]) -> f64 {
+    const MAX_WIDTH: f64 = 190.0;
+    let drawn = levels.iter().filter(|level| level.value.is_finite());
+    let width = drawn.map(|level| text_width(&level.label, LABEL_SIZE, false)).fold(0.0, f64::max);
+    if width > 0.0 { width.min(MAX_WIDTH) + LEVEL_LABEL_GAP + 4.0 } else { 0.0 }
+}
+
+/// Writes the labels of levels to the right of the frame, clear of the curves and of each other.
+fn draw_level_labels(picture: &mut Picture, frame: Rectangle, mut levels: Vec<(f64, &str)>) {
+    levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    levels.dedup();
+    let gap = 1.15 * LABEL_SIZE;
+    levels.truncate((frame.height() / gap) as usize);
+    let preferred: Vec<f64> = levels.iter().map(|(y, _)| *y).collect();
+    let bounds = [frame.top + 0.5 * gap, frame.bottom - 0.5 * gap];
+    for ((y, label), height) in levels.iter().zip(spread_heights(&preferred, gap, bounds)) {
+        let x = frame.right + LEVEL_LABEL_GAP;
+        let leader = [[frame.right, *y], [frame.right + 7.0, *y], [x - 4.0, height]];
+        picture.draw_line(leader, 1.4, PALE_INK);
+        let (label, size) = page::fit_text(label, LABEL_SIZE, 190.0);
+        let text = Text::new([x, height + 0.36 * LABEL_SIZE], Anchor::Start, size, label);
+        picture.draw_text(Text { colour: PALE_INK, ..text });
     }
 }

@@ -2,6 +2,7 @@
 
 use plotters::style::RGBColor;
 
+use crate::growth::LINE_WIDTH;
 use crate::picture::Colour;
 
 /// Colours after Okabe and Ito (2008), darkened for lines. In greyscale the numbers on the lines distinguish the
@@ -20,3 +21,8 @@ pub(super) const GROUP_SPEED_DASHES: &[f64] = &[13.0, 7.0];
 pub(super) const CUTOFF_DASHES: &[f64] = &[9.0, 6.0];
 pub(super) const SPEED_LIMIT_DASHES: &[f64] = &[2.5, 5.0];
 pub(super) const LEVEL_LINE_WIDTH: f64 = 2.0;
+
+/// Returns the width of the lines of a branch, pixels: branches with the colours of earlier ones are thinner.
+pub(super) fn branch_width(branch: usize) -> f64 {
+    if (branch / BRANCH_COLOURS.len()).is_multiple_of(2) { LINE_WIDTH } else { 0.5 * LINE_WIDTH }
+}

@@ -11,6 +11,7 @@ fn sample_figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFi
         frequency: points.to_vec(),
         group_speed: points.to_vec(),
         measured_frequency: points.to_vec(),
+        disagreeing_frequency: points.iter().step_by(2).copied().collect(),
         growth_rate: points.to_vec(),
     };
     let level = |&value: &f64| ReferenceLevel { label: format!("ω* = {value} rad/s"), value };

@@ -132,12 +132,16 @@ impl FieldFigure {
             .map(|(value, label)| (bar.position(scale.fraction(value)), label))
             .collect();
         let area = bar.area;
+        let name = match scale.is_root && !self.label.is_empty() {
+            true => format!("{}, colours by its square root", self.label),
+            false => self.label.clone(),
+        };
         if !bar.is_vertical {
             return page::draw_bottom_axis(
                 picture,
                 area,
                 &remove_overlapping_labels(ticks, false),
-                &self.label,
+                &name,
             );
         }
         let ticks = remove_overlapping_labels(ticks, true);
@@ -148,7 +152,7 @@ impl FieldFigure {
                 picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
             }
         }
-        let (name, size) = page::fit_text(&self.label, AXIS_NAME_SIZE, area.height());
+        let (name, size) = page::fit_text(&name, AXIS_NAME_SIZE, area.height());
         if !name.is_empty() {
             let x =
                 area.right + 14.0 + page::max_label_width(&ticks) + 12.0 + 0.76 * AXIS_NAME_SIZE;

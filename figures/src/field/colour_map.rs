@@ -42,6 +42,8 @@ const ROUND_OFF_TOLERANCE: f64 = 1e-9;
 #[derive(Clone)]
 pub(crate) struct ColourScale {
     pub(super) is_signed: bool,
+    /// Whether colours follow the square root of the magnitude.
+    pub(super) is_root: bool,
     /// Whether the scale is shared with other figures, i.e. does not follow from the values of this figure.
     pub(super) is_fixed: bool,
     /// Magnitude of the darkest colour; 0 if the scale is not fixed and no finite value differs from 0.
@@ -89,6 +91,7 @@ impl ColourScale {
         let is_open = clipped_count > 0 || is_fixed;
         Self {
             is_signed,
+            is_root: figure.is_root_scaled,
             is_fixed,
             limit,
             extreme_value,
@@ -119,7 +122,7 @@ impl ColourScale {
             return 0;
         }
         let low = if self.is_signed { -1.0 } else { 0.0 };
-        ((value / self.limit).clamp(low, 1.0) * f64::from(SHADE_COUNT)).round() as i16
+        (self.scaled_share(value).clamp(low, 1.0) * f64::from(SHADE_COUNT)).round() as i16
     }
 
     pub(super) fn step_colour(&self, step: i16) -> Colour {
@@ -140,7 +143,14 @@ impl ColourScale {
 
     /// Returns the position of a value on the colour bar, as a fraction of its length.
     pub(super) fn fraction(&self, value: f64) -> f64 {
-        if self.is_signed { 0.5 + 0.5 * (value / self.limit) } else { value / self.limit }
+        let share = self.scaled_share(value);
+        if self.is_signed { 0.5 + 0.5 * share } else { share }
+    }
+
+    /// Returns the ratio of a value to the limit, with the square root of the magnitude on a root scale.
+    fn scaled_share(&self, value: f64) -> f64 {
+        let share = value / self.limit;
+        if self.is_root { share.abs().sqrt().copysign(share) } else { share }
     }
 
     /// Computes the ticks of a colour bar of `length` pixels. The label of an upper limit with values beyond it begins
@@ -151,6 +161,8 @@ impl ColourScale {
         }
         let low = self.lower_limit();
         let mut ticks = page::choose_ticks(length, is_vertical, |max_count| {
+            // On a root scale ticks are closer at the ends, by half at most.
+            let max_count = if self.is_root { max_count.div_ceil(2) } else { max_count };
             scale::linear_ticks(low, self.limit, max_count, is_angle)
         });
         let mut ends = Vec::new();

@@ -71,6 +71,9 @@ pub struct FieldFigure {
     /// with the same fixed scale have the same colours, colour bar and layout, as required for the frames of an
     /// [`crate::GifAnimation`]; negative values of an unsigned quantity then count as beyond the scale.
     pub fixed_limit: Option<f64>,
+    /// Whether colours follow the square root of the magnitude, so that waves a tenth as strong as the strongest are
+    /// visible; stated at the colour bar.
+    pub is_root_scaled: bool,
     /// Levels of contour lines, in the unit of `label`, which are drawn with their numbers; `None` for levels at ±¼ and
     /// ±½ of the limit of the colour scale of a signed quantity; an unsigned quantity then has no lines. Levels that
     /// are non-finite or not attained have no line.

@@ -206,7 +206,7 @@ impl FieldFigure {
         let frame = Rectangle { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
         let inside = self.mark_positions(frame);
         for (kind, word) in
-            [(FieldMarkKind::Source, "source"), (FieldMarkKind::Receiver, "receiver")]
+            [(FieldMarkKind::Source, "source or load"), (FieldMarkKind::Receiver, "receiver")]
         {
             let all = self.marks.iter().filter(|mark| mark.kind == kind).count();
             let shown = inside.iter().filter(|(_, mark)| mark.kind == kind).count();

@@ -376,6 +376,7 @@ fn luminance_decreases_evenly_and_symmetrically() {
     for is_signed in [false, true] {
         let scale = ColourScale {
             is_signed,
+            is_root: false,
             is_fixed: false,
             limit: 1.0,
             extreme_value: 1.0,
@@ -523,4 +524,19 @@ fn wrong_input_is_refused() {
             refused(&|figure| figure.fixed_limit = Some(limit)).contains("limit of the colours")
         );
     }
+}
+
+/// On a root scale a wave of a hundredth of the limit has the colour of a tenth, and the bar states the scale.
+#[test]
+fn root_scale_shows_weak_waves() {
+    let mut figure = sample_figure(60, 40, |x, _| if x < 1.0 { 1.0 } else { -0.01 });
+    let scale = |figure: &FieldFigure| ColourScale::from_figure(figure);
+    assert_eq!(scale(&figure).colour_step(-0.01), -1);
+    figure.is_root_scaled = true;
+    let root = scale(&figure);
+    assert_eq!(root.colour_step(-0.01), (-0.1 * f64::from(SHADE_COUNT)).round() as i16);
+    assert_eq!([root.colour_step(1.0), root.colour_step(0.0)], [SHADE_COUNT, 0]);
+    assert!((root.fraction(-0.25) - 0.25).abs() < 1e-15);
+    check_figure(&figure);
+    assert!(picture_texts(&figure).iter().any(|text| text.ends_with("by its square root")));
 }

@@ -4,7 +4,7 @@ use plotters::backend::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, TextStyle};
 
-use super::fonts::{BITMAP_SIZE_PER_EM, font};
+use super::fonts::{BITMAP_SIZE_PER_EM, font, run_width, split_into_runs, text_width};
 use super::geometry::{Point, Rectangle, circle_points};
 use super::text::{Anchor, Colour, Text};
 use crate::error::FigureError;
@@ -43,22 +43,51 @@ impl BackendConventions {
         backend: &mut B,
         text: &Text,
     ) -> Result<(), FigureError> {
-        let drop = self.baseline_offset * text.font_size;
+        let runs = split_into_runs(&text.content);
+        if let [_] = runs[..] {
+            return self.draw_run(backend, text, &text.content, text.font_size, [0.0; 2]);
+        }
+        let whole = text_width(&text.content, text.font_size, text.is_bold);
+        let mut offset = match text.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * whole,
+            Anchor::End => -whole,
+        };
+        let from_start = Text { anchor: Anchor::Start, ..text.clone() };
+        for run in runs {
+            let size = run.scale * text.font_size;
+            let place = [offset, run.rise * text.font_size];
+            self.draw_run(backend, &from_start, &run.content, size, place)?;
+            offset += run_width(&run.content, size, text.is_bold);
+        }
+        Ok(())
+    }
+
+    /// Draws a part of a text in its font size at an offset along and above the baseline, pixels.
+    fn draw_run<B: DrawingBackend>(
+        &self,
+        backend: &mut B,
+        text: &Text,
+        content: &str,
+        font_size: f64,
+        [along, above]: [f64; 2],
+    ) -> Result<(), FigureError> {
+        let drop = self.baseline_offset * font_size + above;
         let [x, y] = text.anchor_point;
         let (at, turn) = if text.is_vertical {
-            ([x - drop, y], FontTransform::Rotate270)
+            ([x - drop, y - along], FontTransform::Rotate270)
         } else {
-            ([x, y - drop], FontTransform::None)
+            ([x + along, y - drop], FontTransform::None)
         };
         let across = match text.anchor {
             Anchor::Start => HPos::Left,
             Anchor::Middle => HPos::Center,
             Anchor::End => HPos::Right,
         };
-        let size = text.font_size * self.font_size_per_em * f64::from(SUPERSAMPLING);
+        let size = font_size * self.font_size_per_em * f64::from(SUPERSAMPLING);
         let font = font(size, text.is_bold).transform(turn);
         let style = TextStyle::from(font).color(&text.colour).pos(Pos::new(across, VPos::Top));
-        backend.draw_text(&text.content, &style, to_fine_pixels(at)).map_err(to_figure_error)
+        backend.draw_text(content, &style, to_fine_pixels(at)).map_err(to_figure_error)
     }
 
     pub(super) fn draw_polyline<B: DrawingBackend>(

@@ -1,5 +1,7 @@
 //! Shapes of a picture.
 
+#[cfg(test)]
+use super::geometry::clip_polyline;
 use super::geometry::{Point, Rectangle, circle_points, split_into_dashes};
 use super::text::{Colour, Text};
 
@@ -7,7 +9,7 @@ pub(super) enum PictureShape {
     Rectangle(Rectangle, Colour),
     Patches(Vec<Rectangle>, Colour),
     Polygon(Vec<Point>, Colour),
-    Line { points: Vec<Point>, width: f64, colour: Colour },
+    Line { points: Vec<Point>, width: f64, colour: Colour, is_curve: bool },
     Text(Text),
 }
 
@@ -28,8 +30,8 @@ impl PictureShape {
                 Self::Patches(areas.into_iter().map(shift_area).collect(), colour)
             }
             Self::Polygon(points, colour) => Self::Polygon(shift_points(points), colour),
-            Self::Line { points, width, colour } => {
-                Self::Line { points: shift_points(points), width, colour }
+            Self::Line { points, width, colour, is_curve } => {
+                Self::Line { points: shift_points(points), width, colour, is_curve }
             }
             Self::Text(text) => {
                 let [x, y] = text.anchor_point;
@@ -70,7 +72,23 @@ impl Picture {
     }
 
     pub fn draw_line(&mut self, points: impl Into<Vec<Point>>, width: f64, colour: Colour) {
-        self.shapes.push(PictureShape::Line { points: points.into(), width, colour });
+        let points = points.into();
+        self.shapes.push(PictureShape::Line { points, width, colour, is_curve: false });
+    }
+
+    /// Draws a curve of data, dashed as by [`draw_dashed_line`](Self::draw_dashed_line). No text may cover a curve.
+    pub fn draw_curve(&mut self, points: &[Point], pattern: &[f64], width: f64, colour: Colour) {
+        let dashes = match pattern {
+            [] => vec![points.to_vec()],
+            pattern => split_into_dashes(points, pattern),
+        };
+        let curves = dashes.into_iter().map(|points| PictureShape::Line {
+            points,
+            width,
+            colour,
+            is_curve: true,
+        });
+        self.shapes.extend(curves);
     }
 
     pub fn draw_frame(&mut self, area: Rectangle, width: f64, colour: Colour) {
@@ -117,7 +135,8 @@ impl Picture {
         })
     }
 
-    /// Panics if a text extends beyond the picture or overlaps another text.
+    /// Panics if a text extends beyond the picture or overlaps another text or a curve. Numbers on discs, in bold, mark
+    /// their curves.
     #[cfg(test)]
     pub fn assert_texts_do_not_overlap(&self) {
         let texts: Vec<&Text> = self.texts().collect();
@@ -128,6 +147,19 @@ impl Picture {
             for other in &texts[..index] {
                 assert!(!bounds.is_overlapping(&other.bounds()), "{text:?} on {other:?}");
             }
+            let inner = Rectangle {
+                left: bounds.left + 1.0,
+                right: bounds.right - 1.0,
+                top: bounds.top + 1.0,
+                bottom: bounds.bottom - 1.0,
+            };
+            let is_crossing = |shape: &PictureShape| match shape {
+                PictureShape::Line { points, is_curve: true, .. } => {
+                    !clip_polyline(points, inner).is_empty()
+                }
+                _ => false,
+            };
+            assert!(text.is_bold || !self.shapes.iter().any(is_crossing), "{text:?} on a curve");
         }
     }
 }

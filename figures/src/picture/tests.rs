@@ -1,5 +1,6 @@
 //! Tests of pictures.
 
+use super::fonts::{split_into_runs, text_width};
 use super::geometry::{Point, Rectangle, clip_polyline, split_into_dashes};
 use super::shapes::Picture;
 use super::text::{Anchor, INK, Text, WHITE};
@@ -84,10 +85,25 @@ fn patches_are_drawn_alike_in_both_formats() {
 }
 
 #[test]
+fn indices_and_exponents_are_set_apart() {
+    let runs = |text: &str| -> Vec<String> {
+        split_into_runs(text).into_iter().map(|run| run.content).collect()
+    };
+    assert_eq!(runs("elastic c_ω, m/s"), ["elastic c", "ω", ", m/s"]);
+    assert_eq!(runs("coefficient · k^order"), ["coefficient · k", "order"]);
+    for plain in ["", "c_", "map_x.csv", "fields_final", "_a", "^2"] {
+        assert_eq!(runs(plain), [plain]);
+    }
+    // An index is narrower than a letter on the line.
+    let width = |text: &str| text_width(text, 30.0, false);
+    assert!(width("c_p") < width("cp") && width("c_p") > width("c"));
+}
+
+#[test]
 fn text_is_drawn_within_its_bounds() {
     for upwards in [false, true] {
         let mut picture = Picture::new(300, 300);
-        let mut text = Text::new([150.0, 150.0], Anchor::Middle, 30.0, "Hxgpd|10⁴");
+        let mut text = Text::new([150.0, 150.0], Anchor::Middle, 30.0, "Hxgpd|c_p10⁴");
         text.is_vertical = upwards;
         let bounds = text.bounds();
         picture.draw_text(text);

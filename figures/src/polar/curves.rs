@@ -1,7 +1,7 @@
-//! Curves over the full circle, and their markers.
+//! Curves over the full circle.
 
 use super::circles::polar_to_point;
-use crate::growth::{LINE_STYLES, LINE_WIDTH, MARKER_SPACING, draw_marker};
+use crate::growth::LineStyle;
 use crate::picture::{Picture, Point};
 
 /// Computes the points of a curve over the full circle from its half circle, each with its angle in degrees; NaN where
@@ -27,47 +27,14 @@ pub(crate) fn full_circle_points(
 /// Placeholder position where a curve is interrupted.
 const GAP_POINT: Point = [f64::NAN; 2];
 
-pub(super) fn draw_curve(
-    picture: &mut Picture,
-    centre: Point,
-    index: usize,
-    points: &[(f64, Point)],
-) {
-    let style = &LINE_STYLES[index % LINE_STYLES.len()];
+pub(super) fn draw_curve(picture: &mut Picture, index: usize, points: &[(f64, Point)]) {
     for part in split_at_gaps(points) {
-        picture.draw_dashed_line(&part, style.dashes, LINE_WIDTH, style.colour);
+        LineStyle::from_index(index).draw(picture, &part);
     }
-    draw_markers(picture, centre, index, points);
 }
 
 /// Splits a curve at its gaps; parts of a single point are omitted.
 pub(crate) fn split_at_gaps(points: &[(f64, Point)]) -> Vec<Vec<Point>> {
     let parts = points.split(|(_, point)| point[0].is_nan()).filter(|part| part.len() > 1);
     parts.map(|part| part.iter().map(|(_, point)| *point).collect()).collect()
-}
-
-/// Draws the markers along a curve.
-pub(crate) fn draw_markers(
-    picture: &mut Picture,
-    centre: Point,
-    index: usize,
-    points: &[(f64, Point)],
-) {
-    let style = &LINE_STYLES[index % LINE_STYLES.len()];
-    // Markers are spaced by polar angle, so that radial spikes do not have dense markers.
-    let step = |[x, y]: Point| {
-        let radius = (x - centre[0]).hypot(y - centre[1]).max(1.0);
-        (1.4 * MARKER_SPACING / radius).to_degrees()
-    };
-    let mut next_marker_angle = f64::NEG_INFINITY;
-    for &(angle, point) in points.iter().filter(|(_, point)| !point[0].is_nan()) {
-        if next_marker_angle == f64::NEG_INFINITY {
-            // The first marker of each curve is shifted, so that markers of coincident curves are all visible.
-            next_marker_angle = angle + step(point) * (0.25 + 0.28 * index as f64);
-        }
-        if angle >= next_marker_angle {
-            draw_marker(picture, point, style);
-            next_marker_angle = angle + step(point);
-        }
-    }
 }

@@ -1,12 +1,12 @@
-//! Page with a disc, the labels of its spokes beside it, and a legend.
+//! Page with a disc, the labels of its spokes beside it, the axis of the radius below it, and a legend.
 
 use super::circles::RING_LABEL_SIZE;
 use super::labels::{
     ANGLE_LABEL_DISTANCE, LABEL_ROW_HEIGHT, SpokeLabel, draw_angle_labels, draw_spoke_labels,
 };
-use super::ring_numbers::{choose_ring_numbers, text_background};
+use super::radius_axis::{RADIUS_AXIS_HEIGHT, draw_radius_axis};
 use crate::page::{self, Legend, LegendEntry, MARGIN};
-use crate::picture::{Picture, Point, Rectangle, WHITE};
+use crate::picture::{Picture, Point, Rectangle};
 use crate::scale::Tick;
 
 /// Page of a polar figure; the figure draws its disc, circles and curves into `picture`.
@@ -35,6 +35,7 @@ impl DiscPage {
         let below = 16.0 + legend.height() + MARGIN - 12.0;
         let count = labels.iter().map(Vec::len).max().unwrap_or(0) as f64;
         let min_height = (count * LABEL_ROW_HEIGHT + 20.0).max(780.0);
+        let below = below + RADIUS_AXIS_HEIGHT;
         let height = (page::HEIGHT + 60.0).max(top + min_height + below).ceil();
         let area =
             Rectangle { left: MARGIN, top, right: page::WIDTH - MARGIN, bottom: height - below };
@@ -55,24 +56,16 @@ impl DiscPage {
         draw_angle_labels(picture, *centre, *radius, &leaders);
     }
 
-    /// Draws the numbers of the rings, given by their radii, clear of `lines` and of spokes (angles in degrees).
-    pub(crate) fn draw_ring_numbers(
-        &mut self,
-        rings: &[Tick],
-        unit: &str,
-        spoke_angles: &[f64],
-        lines: &[Vec<(f64, Point)>],
-    ) {
-        for text in choose_ring_numbers(rings, unit, spoke_angles, self.centre, self.radius, lines)
-        {
-            self.picture.fill_rectangle(text_background(&text), WHITE);
-            self.picture.draw_text(text);
-        }
+    /// Draws the axis of the radius below the disc, with numbers at the rings, given by their radii.
+    pub(crate) fn draw_radius_axis(&mut self, rings: &[Tick], name: &str) {
+        let place = [self.centre[0], self.area.bottom];
+        draw_radius_axis(&mut self.picture, rings, name, place, self.radius, self.area.left);
     }
 
     /// Draws the legend and returns the finished picture.
     pub(crate) fn into_picture(mut self) -> Picture {
-        self.legend.draw(&mut self.picture, MARGIN, self.area.bottom + 16.0);
+        let top = self.area.bottom + RADIUS_AXIS_HEIGHT + 16.0;
+        self.legend.draw(&mut self.picture, MARGIN, top);
         self.picture
     }
 }

@@ -6,7 +6,7 @@ use super::disc_page::DiscPage;
 use super::figure::{PolarFigure, Spoke, SpokeStyle};
 use super::labels::build_labels;
 use super::radial_scale::{HOLE_FRACTION, RadialScale};
-use super::ring_numbers::max_ring_numbers;
+use super::radius_axis::max_ring_numbers;
 use crate::error::FigureError;
 use crate::format::FigureFormat;
 use crate::growth::LINEAR_RANGE_COLOUR;
@@ -80,13 +80,12 @@ impl PolarFigure {
             })
             .collect();
         for (index, points) in lines.iter().enumerate() {
-            draw_curve(&mut page.picture, centre, index, points);
+            draw_curve(&mut page.picture, index, points);
         }
         let rings: Vec<Tick> = rings
             .into_iter()
             .map(|(place, label)| (radial.position_radius(place), label))
             .collect();
-        let spoke_angles: Vec<f64> = self.finite_spokes().map(|spoke| spoke.angle_deg).collect();
-        page.draw_ring_numbers(&rings, &self.unit, &spoke_angles, &lines);
+        page.draw_radius_axis(&rings, &format!("{} ({})", self.symbol, self.unit));
     }
 }

@@ -57,9 +57,9 @@ pub struct PolarFigure {
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Symbol of the growth rate, for the legend.
+    /// Symbol of the growth rate, for the axis of the radius and the legend.
     pub symbol: String,
-    /// Unit of the growth rate, written on the outermost ring.
+    /// Unit of the growth rate.
     pub unit: String,
     /// Curves, one per model, over directions from 0 to 180 degrees; opposite directions have the same growth rate.
     pub curves: Vec<LabelledCurve>,

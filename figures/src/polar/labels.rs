@@ -2,7 +2,7 @@
 
 use super::circles::{NEUTRAL_COLOUR, RING_LABEL_SIZE, polar_to_point};
 use super::figure::Spoke;
-use super::ring_numbers::text_background;
+use super::radius_axis::text_background;
 use crate::directions::spread_heights;
 use crate::page::{self, TICK_LABEL_SIZE};
 use crate::picture::{

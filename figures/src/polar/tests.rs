@@ -1,13 +1,10 @@
 //! Tests of polar diagrams.
 
-use super::curves::full_circle_points;
 use super::figure::{PolarFigure, Spoke, SpokeStyle};
 use super::labels::{SpokeLabel, build_labels};
 use super::radial_scale::{HOLE_FRACTION, RadialScale};
-use super::ring_numbers::choose_ring_numbers;
 use crate::format::FigureFormat;
 use crate::growth::LabelledCurve;
-use crate::scale::Tick;
 
 use crate::tests::{check_drawing, edge_case_curves};
 
@@ -29,10 +26,6 @@ fn sample_figure(points: &[[f64; 2]], spokes: &[f64]) -> PolarFigure {
 
 fn check_figure(figure: &PolarFigure) {
     check_drawing(&figure.to_picture(), |format| figure.draw(format));
-}
-
-fn constant_growth_points(growth: f64) -> Vec<[f64; 2]> {
-    (0..=180).map(|angle| [f64::from(angle), growth]).collect()
 }
 
 #[test]
@@ -99,40 +92,8 @@ fn the_angle_is_anticlockwise_and_the_circle_is_full() {
         columns.flat_map(|x| rows.clone().map(move |y| (x, y))).filter(|&(x, y)| dark(x, y)).count()
     };
     // Rows between heading and legend, above and below the centre.
-    let (upper, lower) = (160..540, 620..960);
+    let (upper, lower) = (160..510, 590..900);
     assert!(count(810..1200, upper.clone()) > 200 && count(400..790, lower.clone()) > 200);
     assert_eq!(count(400..790, upper), 0);
     assert_eq!(count(810..1200, lower), 0);
-}
-
-#[test]
-fn ring_numbers_avoid_lines_and_spokes() {
-    // The growth rate jumps at 90°, so that the curve runs along the ray at 270°; spokes lie on both sides of this ray.
-    let mut figure = sample_figure(&constant_growth_points(-2.0), &[60.0, 75.0, 105.0]);
-    for [angle, growth] in &mut figure.curves[0].points {
-        if *angle >= 90.0 {
-            *growth = 1e3;
-        }
-    }
-    check_figure(&figure);
-    let (centre, radius) = ([800.0, 600.0], 350.0);
-    let radial = RadialScale::from_curves(&figure.curves, radius);
-    let rings = radial.scale.ticks(radial.low, radial.high, 9).into_iter();
-    let rings: Vec<Tick> =
-        rings.map(|(place, label)| (radial.position_radius(place), label)).collect();
-    let place = |line: &LabelledCurve| {
-        full_circle_points(&line.points, centre, |growth| radial.growth_radius(growth))
-    };
-    let lines: Vec<_> = figure.curves.iter().map(place).collect();
-    let spokes = [60.0, 75.0, 105.0];
-    let numbers = choose_ring_numbers(&rings, "1/s", &spokes, centre, radius, &lines);
-    assert!(numbers.len() >= 4 && numbers.iter().any(|n| n.content.ends_with(" 1/s")));
-    for number in &numbers {
-        let [x, y] =
-            [number.bounds(); 2].map(|b| [0.5 * (b.left + b.right), 0.5 * (b.top + b.bottom)])[0];
-        let ray = (centre[1] - y).atan2(x - centre[0]).to_degrees().rem_euclid(180.0);
-        for spoke in [60.0, 75.0, 90.0, 105.0] {
-            assert!((ray - spoke).abs() > 5.0, "{ray} at {spoke}");
-        }
-    }
 }

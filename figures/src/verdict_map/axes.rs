@@ -1,12 +1,11 @@
-//! Axes of the map: one cell, centred at its point, for each of the uniformly spaced points.
+//! Axes of the map, from the first to the last of the uniformly spaced points.
 
 use super::figure::VerdictMapAxis;
 use crate::error::FigureError;
 use crate::page::{self};
 use crate::scale::{self, Tick};
 
-/// Extent of an axis: from the lower edge of the first cell to the upper edge of the last, with each cell centred at
-/// its point.
+/// Extent of an axis: from the first to the last point; cells are centred at their points.
 pub(super) struct AxisExtent {
     pub(super) low: f64,
     pub(super) high: f64,
@@ -38,8 +37,7 @@ impl AxisExtent {
         if !values.iter().enumerate().all(uniform) {
             return Err(refuse("is not uniformly spaced"));
         }
-        let half = 0.5 * step.abs();
-        let (low, high) = (first.min(last) - half, first.max(last) + half);
+        let (low, high) = (first.min(last), first.max(last));
         Ok(Self { low, high, is_descending: step < 0.0 })
     }
 

@@ -1,29 +1,29 @@
 //! Drawing of the cells with their colours and hatching.
 
+use super::boundaries::{Boundaries, CORNERS, quarter_of};
 use super::colour_map::{INFINITE_LEVEL_COLOUR, MISSING_LEVEL_COLOUR, shade_colour};
-use super::figure::{FillStyle, VerdictMap};
+use super::figure::VerdictMap;
 use super::hatching::{category_fill, draw_hatch};
 use super::levels::LevelRange;
-use super::raster::{VerdictRaster, cell_size};
+use super::raster::VerdictRaster;
 use crate::picture::{Colour, Picture, Point, Rectangle};
 
 impl VerdictMap {
-    /// Fills the cells; runs of one colour in a row are filled as one rectangle.
+    /// Fills the cells; runs of one colour in a row are filled as one rectangle. Squares between four points of several
+    /// categories are split at the boundary.
     pub(super) fn draw_cells(
         &self,
         picture: &mut Picture,
         frame: Rectangle,
         raster: &VerdictRaster,
+        boundaries: &Boundaries,
         range: Option<&LevelRange>,
     ) {
         let grounds: Vec<(Colour, bool)> = self
             .categories
             .iter()
             .map(|category| {
-                (
-                    category_fill(category.fill_style, 0).0,
-                    category.fill_style == FillStyle::IllPosed,
-                )
+                (category_fill(category.fill_style).0, category.fill_style.is_ill_posed())
             })
             .collect();
         let colour = |cell: usize| {
@@ -42,7 +42,8 @@ impl VerdictMap {
                 _ => ground,
             }
         };
-        let (width, height) = cell_size(frame, raster);
+        // A cell extends half way to the neighbouring points.
+        let lower_edge = |index: usize| index as f64 - 0.5;
         for row in (0..raster.rows).rev() {
             let mut start = 0;
             while start < raster.columns {
@@ -50,16 +51,34 @@ impl VerdictMap {
                 let run = (start + 1..raster.columns)
                     .find(|&column| colour(raster.cell_index(column, row)) != ground)
                     .unwrap_or(raster.columns);
+                let [left, bottom] = raster.place(frame, [lower_edge(start), lower_edge(row)]);
+                let [right, top] = raster.place(frame, [lower_edge(run), lower_edge(row + 1)]);
                 // Each area extends below the following cells, which prevents hairlines between cells in scaled
                 // pictures.
                 let area = Rectangle {
-                    left: frame.left + start as f64 * width,
-                    top: frame.bottom - (row + 1) as f64 * height,
-                    right: (frame.left + run as f64 * width + 2.0).min(frame.right),
-                    bottom: (frame.bottom - row as f64 * height + 2.0).min(frame.bottom),
+                    left: left.max(frame.left),
+                    top: top.max(frame.top),
+                    right: (right + 2.0).min(frame.right),
+                    bottom: (bottom + 2.0).min(frame.bottom),
                 };
                 picture.fill_rectangle(area, ground);
                 start = run;
+            }
+        }
+        for square in boundaries.squares() {
+            for piece in boundaries.pieces(square).unwrap_or_default() {
+                for corner in 0..4 {
+                    let quarter = quarter_of(&piece.polygon, corner);
+                    // A quarter next to a point of another category has the colour of the nearest point of its own.
+                    let distance = |other: &&usize| (**other + 4 - corner) % 4 % 3;
+                    let nearest = piece.corners.iter().min_by_key(distance);
+                    let Some(&nearest) = nearest.filter(|_| !quarter.is_empty()) else { continue };
+                    let [x, y] = CORNERS[nearest];
+                    let cell = raster.cell_index(square[0] + x, square[1] + y);
+                    let offset = square.map(|index| index as f64);
+                    let place = |[x, y]: Point| raster.place(frame, [x + offset[0], y + offset[1]]);
+                    picture.fill_polygon(quarter.into_iter().map(place).collect(), colour(cell));
+                }
             }
         }
     }
@@ -69,20 +88,18 @@ impl VerdictMap {
         picture: &mut Picture,
         frame: Rectangle,
         raster: &VerdictRaster,
+        boundaries: &Boundaries,
     ) {
-        let (width, height) = cell_size(frame, raster);
+        let [width, height] = raster.spacing(frame);
         let category_at = |[x, y]: Point| {
-            let column = ((x - frame.left) / width) as usize;
-            let row = ((frame.bottom - y) / height) as usize;
-            raster.categories
-                [raster.cell_index(column.min(raster.columns - 1), row.min(raster.rows - 1))]
+            boundaries.category_at(raster, [(x - frame.left) / width, (frame.bottom - y) / height])
         };
         for (index, category) in self.categories.iter().enumerate() {
             let present = raster.categories.iter().any(|&other| usize::from(other) == index);
             if !present {
                 continue;
             }
-            for hatch in category_fill(category.fill_style, self.variant_index(index)).1 {
+            for hatch in category_fill(category.fill_style).1 {
                 draw_hatch(picture, frame, hatch, |point| usize::from(category_at(point)) == index);
             }
         }

@@ -12,6 +12,8 @@ pub(super) const SHADE_COUNT: usize = 128;
 pub(super) const INFINITE_LEVEL_COLOUR: Colour = RGBColor(14, 2, 22);
 /// Colour of a cell without level in a map with levels.
 pub(crate) const MISSING_LEVEL_COLOUR: Colour = RGBColor(196, 176, 180);
+/// Width of the dark rim of lines that stand for sets without area, pixels.
+pub(super) const LINE_SET_RIM: f64 = 1.8;
 /// Colour of ill-posed cells in a map without levels.
 pub(super) const ILL_POSED_COLOUR: Colour = RGBColor(236, 130, 80);
 

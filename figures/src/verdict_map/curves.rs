@@ -6,7 +6,7 @@ use crate::picture::{Colour, Picture, Point, WHITE, split_into_dashes};
 
 /// Dash patterns and colours of the curves, by the index of their labels.
 const CURVE_STYLES: [(&[f64], Colour); 4] = [
-    (&[22.0, 11.0], RGBColor(10, 10, 10)),
+    (&[20.0, 18.0], RGBColor(10, 10, 10)),
     (&[5.0, 8.0], RGBColor(0, 60, 150)),
     (&[34.0, 9.0, 5.0, 9.0], RGBColor(90, 0, 100)),
     (&[12.0, 6.0], RGBColor(0, 85, 65)),
@@ -16,8 +16,8 @@ pub(super) fn draw_curve(picture: &mut Picture, points: &[Point], index: usize) 
     let (pattern, colour) = CURVE_STYLES[index % CURVE_STYLES.len()];
     // The white rim keeps dashes visible on dark shades; gaps show the cells below.
     for dash in split_into_dashes(points, pattern) {
-        picture.draw_line(extend_ends(&dash, 2.0), 8.5, WHITE);
-        picture.draw_line(dash, 4.5, colour);
+        picture.draw_line(extend_ends(&dash, 1.5), 6.0, WHITE);
+        picture.draw_line(dash, 3.0, colour);
     }
 }
 

@@ -1,11 +1,12 @@
 //! Drawing of a verdict map.
 
 use super::axes::AxisExtent;
+use super::boundaries::{Boundaries, draw_borders, draw_line_sets};
 use super::colour_map::{BAR_GAP, BAR_WIDTH};
 use super::curves::draw_curve;
 use super::figure::VerdictMap;
+use super::hatching::category_fill;
 use super::levels::LevelRange;
-use super::raster::draw_borders;
 use crate::error::FigureError;
 use crate::format::FigureFormat;
 use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, Legend, MARGIN, TICK_LABEL_SIZE};
@@ -61,12 +62,16 @@ impl VerdictMap {
         let place_y = |value: f64| frame.bottom - y.fraction(value) * frame.height();
 
         let raster = self.build_raster(frame, x.is_descending, y.is_descending);
-        self.draw_cells(&mut picture, frame, &raster, range.as_ref());
-        self.draw_hatching(&mut picture, frame, &raster);
+        let boundaries = Boundaries::new(&raster);
+        self.draw_cells(&mut picture, frame, &raster, &boundaries, range.as_ref());
+        self.draw_hatching(&mut picture, frame, &raster, &boundaries);
         if let Some(range) = &range {
-            self.draw_contours(&mut picture, frame, &raster, range, &bar_ticks);
+            self.draw_contours(&mut picture, frame, (&raster, &boundaries), range, &bar_ticks);
         }
-        draw_borders(&mut picture, frame, &raster);
+        draw_borders(&mut picture, frame, &raster, &boundaries);
+        let line_colour =
+            |category: u8| category_fill(self.categories[usize::from(category)].fill_style).0;
+        draw_line_sets(&mut picture, frame, &raster, line_colour);
         for (index, curve) in self.curves.iter().enumerate() {
             let points: Vec<Point> =
                 curve.points.iter().map(|&[x, y]| [place_x(x), place_y(y)]).collect();

@@ -11,14 +11,31 @@ pub struct VerdictMapAxis {
     pub values: Vec<f64>,
 }
 
+/// Hatching of ill-posed cells, in pairs of a white and a dark line, which are visible on every shade.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hatching {
+    /// No hatching.
+    Plain,
+    /// Lines that rise to the right.
+    Rising,
+    /// Lines that fall to the right.
+    Falling,
+    /// Horizontal lines.
+    Horizontal,
+    /// Vertical lines.
+    Vertical,
+    /// Rising and falling lines.
+    Crossed,
+}
+
 /// Fill style of the cells of a category.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FillStyle {
     /// Well-posed: nearly white.
     WellPosed,
-    /// Ill-posed: coloured by the level of the cell, or orange without levels. Further categories of this style are
-    /// hatched, each in another direction.
-    IllPosed,
+    /// Ill-posed: coloured by the level of the cell, or orange without levels, and hatched. The hatching stands for the
+    /// kind of growth.
+    IllPosed(Hatching),
     /// Unbounded growth at a finite wave number: nearly black with white cross-hatching.
     UnboundedAtFiniteWaveNumber,
     /// Marginal: green with vertical hatching.
@@ -27,6 +44,12 @@ pub enum FillStyle {
     Indeterminate,
     /// Outside the model: pale grey with sparse rising hatching.
     OutsideModel,
+}
+
+impl FillStyle {
+    pub(super) fn is_ill_posed(self) -> bool {
+        matches!(self, Self::IllPosed(_))
+    }
 }
 
 /// A category of verdicts.
@@ -63,10 +86,16 @@ pub struct VerdictMap {
     /// Index into `categories` for each cell; x varies fastest.
     pub category_indices: Vec<u8>,
     /// Growth level of each cell, positive or infinite, in the unit of `level_label`; NaN if there is none. x varies
-    /// fastest. Used in cells with the style [`FillStyle::IllPosed`].
+    /// fastest. Used in cells with a style [`FillStyle::IllPosed`].
     pub growth_levels: Vec<f64>,
     /// Name and unit of the growth level.
     pub level_label: String,
+    /// Places of the boundaries between neighbouring cells of different categories, along x and along y: for each cell
+    /// the distance of the boundary to the next cell as a fraction of the step. Boundaries are in the middle where the
+    /// number is not in [0, 1] or missing.
+    pub boundaries: [Vec<f64>; 2],
+    /// Whether each cell belongs to a set without area, which is drawn as a line through its points; empty if none does.
+    pub is_line: Vec<bool>,
     /// Curves drawn over the map.
     pub curves: Vec<MapCurve>,
 }
@@ -91,17 +120,11 @@ impl VerdictMap {
     /// Returns the cells coloured by level, each with its level.
     pub(super) fn ill_posed_levels(&self) -> impl Iterator<Item = (usize, f64)> {
         let ill_posed =
-            |category: u8| self.categories[usize::from(category)].fill_style == FillStyle::IllPosed;
+            |category: u8| self.categories[usize::from(category)].fill_style.is_ill_posed();
         let cells = self.category_indices.iter().zip(&self.growth_levels).enumerate();
         cells
             .filter(move |(_, (category, _))| ill_posed(**category))
             .map(|(cell, (_, l))| (cell, *l))
-    }
-
-    /// Returns the number of preceding categories with the same style.
-    pub(super) fn variant_index(&self, category: usize) -> usize {
-        let style = self.categories[category].fill_style;
-        self.categories[..category].iter().filter(|other| other.fill_style == style).count()
     }
 
     /// Returns the index of a curve's label among the distinct labels, which determines the style.

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::colour_map::ILL_POSED_COLOUR;
-use super::figure::FillStyle;
+use super::figure::{FillStyle, Hatching};
 use super::raster::find_runs;
 use crate::picture::{Colour, Picture, Point, Rectangle, clip_polyline};
 
@@ -23,9 +23,8 @@ const FALLING_DIRECTION: [f64; 2] = [1.0, 1.0];
 const HORIZONTAL_DIRECTION: [f64; 2] = [1.0, 0.0];
 const VERTICAL_DIRECTION: [f64; 2] = [0.0, 1.0];
 
-/// Returns the fill of a category without levels: background colour and hatching. `variant` is the number of preceding
-/// categories with the same style.
-pub(super) fn category_fill(style: FillStyle, variant: usize) -> (Colour, Vec<HatchLines>) {
+/// Returns the fill of a category without levels: background colour and hatching.
+pub(super) fn category_fill(style: FillStyle) -> (Colour, Vec<HatchLines>) {
     let hatch = |direction, spacing, line_width, grey| HatchLines {
         direction,
         spacing,
@@ -34,22 +33,18 @@ pub(super) fn category_fill(style: FillStyle, variant: usize) -> (Colour, Vec<Ha
     };
     match style {
         FillStyle::WellPosed => (RGBColor(243, 248, 253), vec![]),
-        FillStyle::IllPosed => {
-            // Pairs of a white and a dark line are visible on every shade.
-            let directions = [
-                &[][..],
-                &[RISING_DIRECTION],
-                &[FALLING_DIRECTION],
-                &[HORIZONTAL_DIRECTION],
-                &[VERTICAL_DIRECTION],
-                &[RISING_DIRECTION, FALLING_DIRECTION],
-            ];
+        FillStyle::IllPosed(hatching) => {
+            let directions: &[[f64; 2]] = match hatching {
+                Hatching::Plain => &[],
+                Hatching::Rising => &[RISING_DIRECTION],
+                Hatching::Falling => &[FALLING_DIRECTION],
+                Hatching::Horizontal => &[HORIZONTAL_DIRECTION],
+                Hatching::Vertical => &[VERTICAL_DIRECTION],
+                Hatching::Crossed => &[RISING_DIRECTION, FALLING_DIRECTION],
+            };
             let pair =
                 |&along: &[f64; 2]| [hatch(along, 30.0, 3.4, 255), hatch(along, 30.0, 1.4, 20)];
-            (
-                ILL_POSED_COLOUR,
-                directions[variant % directions.len()].iter().flat_map(pair).collect(),
-            )
+            (ILL_POSED_COLOUR, directions.iter().flat_map(pair).collect())
         }
         FillStyle::UnboundedAtFiniteWaveNumber => {
             let ground = RGBColor(38, 38, 58);

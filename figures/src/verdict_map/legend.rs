@@ -1,28 +1,42 @@
 //! Legend of a verdict map: categories with their percentage of the area, and curves.
 
+use super::boundaries::draw_line_set_swatch;
 use super::colour_map::{MISSING_LEVEL_COLOUR, draw_shades};
 use super::curves::draw_curve;
-use super::figure::{FillStyle, VerdictMap};
+use super::figure::VerdictMap;
 use super::hatching::{category_fill, draw_hatch};
 use super::levels::LevelRange;
 use super::shares::format_percent;
 use crate::page::LegendEntry;
-use crate::picture::INK;
+use crate::picture::{INK, Picture, Rectangle};
 
 impl VerdictMap {
     pub(super) fn legend_entries(&self, range: Option<&LevelRange>) -> Vec<LegendEntry> {
-        let mut counts = vec![0_usize; self.categories.len()];
-        self.category_indices.iter().for_each(|&category| counts[usize::from(category)] += 1);
-        let cells = self.category_indices.len();
+        // Numbers of points of each category in areas and on lines.
+        let mut counts = vec![[0_usize; 2]; self.categories.len()];
+        for (cell, &category) in self.category_indices.iter().enumerate() {
+            let is_line = self.is_line.get(cell).copied().unwrap_or(false);
+            counts[usize::from(category)][usize::from(is_line)] += 1;
+        }
+        let cells = counts.iter().map(|[in_area, _]| in_area).sum();
         let mut entries: Vec<LegendEntry> = Vec::new();
         let has_levels = range.is_some();
         for (index, category) in self.categories.iter().enumerate() {
-            if counts[index] == 0 {
-                continue;
+            let (ground, hatches) = category_fill(category.fill_style);
+            match counts[index] {
+                [0, 0] => continue,
+                [0, _] => {
+                    let swatch = move |picture: &mut Picture, area: Rectangle| {
+                        draw_line_set_swatch(picture, area, ground);
+                    };
+                    entries.push((format!("{} (on lines, 0 %)", category.label), Box::new(swatch)));
+                    continue;
+                }
+                _ => {}
             }
-            let (ground, hatches) = category_fill(category.fill_style, self.variant_index(index));
-            let graded = has_levels && category.fill_style == FillStyle::IllPosed;
-            let label = format!("{} ({})", category.label, format_percent(counts[index], cells));
+            let graded = has_levels && category.fill_style.is_ill_posed();
+            let share = format_percent(counts[index][0], cells);
+            let label = format!("{} ({share})", category.label);
             entries.push((
                 label,
                 Box::new(move |picture, area| {

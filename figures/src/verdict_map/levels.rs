@@ -1,8 +1,9 @@
 //! Range of the growth levels, and their contour lines.
 
+use super::boundaries::Boundaries;
 use super::colour_map::contrast_colour;
-use super::figure::{FillStyle, VerdictMap};
-use super::raster::{VerdictRaster, cell_size};
+use super::figure::VerdictMap;
+use super::raster::VerdictRaster;
 use crate::contour;
 use crate::picture::{Colour, Picture, Point, Rectangle};
 use crate::scale::Tick;
@@ -59,19 +60,19 @@ impl LevelRange {
 
 impl VerdictMap {
     /// Draws the contour lines at the ticks of the colour bar, separately for each category, since levels of different
-    /// categories may be different quantities.
+    /// categories may be different quantities. Lines that nowhere leave the neighbourhood of a boundary are omitted:
+    /// the points do not resolve them.
     pub(super) fn draw_contours(
         &self,
         picture: &mut Picture,
         frame: Rectangle,
-        raster: &VerdictRaster,
+        (raster, boundaries): (&VerdictRaster, &Boundaries),
         range: &LevelRange,
         ticks: &[Tick],
     ) {
-        let (width, height) = cell_size(frame, raster);
         let logs: Vec<f64> = raster.levels.iter().map(|level| level.log10()).collect();
         for (index, category) in self.categories.iter().enumerate() {
-            if category.fill_style != FillStyle::IllPosed {
+            if !category.fill_style.is_ill_posed() {
                 continue;
             }
             let value = |column: usize, row: usize| {
@@ -81,9 +82,11 @@ impl VerdictMap {
             for (tick, _) in ticks {
                 let colour = contour_colour(range, *tick);
                 for line in contour::trace_contours(raster.columns, raster.rows, value, *tick) {
-                    let place = |[x, y]: Point| {
-                        [frame.left + (x + 0.5) * width, frame.bottom - (y + 0.5) * height]
-                    };
+                    let square = |[x, y]: Point| [x as usize, y as usize];
+                    if line.iter().all(|&at| boundaries.is_near(square(at))) {
+                        continue;
+                    }
+                    let place = |at: Point| raster.place(frame, at);
                     picture.draw_line(line.into_iter().map(place).collect::<Vec<_>>(), 1.6, colour);
                 }
             }

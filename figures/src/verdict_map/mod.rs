@@ -1,6 +1,7 @@
 //! Verdict maps: verdicts over two parameters of a case.
 
 mod axes;
+mod boundaries;
 mod cells;
 mod colour_bar;
 mod colour_map;
@@ -19,6 +20,6 @@ pub(crate) use colour_map::{
     ARROW_LENGTH, BAR_GAP, BAR_WIDTH, MISSING_LEVEL_COLOUR, contrast_colour, draw_shades,
     shade_colour,
 };
-pub use figure::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+pub use figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 pub(crate) use raster::find_runs;
 pub(crate) use shares::format_percent;

@@ -1,19 +1,46 @@
-//! Raster of a verdict map, and the boundaries between categories.
+//! Raster of a verdict map.
 
 use super::figure::VerdictMap;
-use crate::picture::{INK, Picture, Rectangle};
+use crate::contour::GridEdge;
+use crate::picture::{Point, Rectangle};
 
-/// Raster of a verdict map: both axes ascending, at most one raster cell per pixel.
+/// Raster of a verdict map: both axes ascending, at most one point per pixel.
 pub(super) struct VerdictRaster {
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) categories: Vec<u8>,
     pub(super) levels: Vec<f64>,
+    /// Places of the boundaries between a point and the next along x and along y, as fractions of the spacing.
+    pub(super) boundaries: [Vec<f64>; 2],
+    /// Whether a point belongs to a set without area.
+    pub(super) is_line: Vec<bool>,
 }
 
 impl VerdictRaster {
     pub(super) fn cell_index(&self, column: usize, row: usize) -> usize {
         row * self.columns + column
+    }
+
+    /// Returns the place of the boundary on an edge, as a fraction of its length.
+    pub(super) fn boundary_share(&self, (i, j, along_y): GridEdge) -> f64 {
+        self.boundaries[usize::from(along_y)][self.cell_index(i, j)]
+    }
+
+    /// Returns the distances between neighbouring points along x and y, pixels.
+    pub(super) fn spacing(&self, frame: Rectangle) -> [f64; 2] {
+        let steps = |count: usize| count.saturating_sub(1).max(1) as f64;
+        [frame.width() / steps(self.columns), frame.height() / steps(self.rows)]
+    }
+
+    /// Converts a position in units of the spacing to a point of the picture; a single column or row is in the middle.
+    pub(super) fn place(&self, frame: Rectangle, [x, y]: Point) -> Point {
+        let share = |value: f64, count: usize| {
+            if count > 1 { value / (count - 1) as f64 } else { value + 0.5 }
+        };
+        [
+            frame.left + share(x, self.columns) * frame.width(),
+            frame.bottom - share(y, self.rows) * frame.height(),
+        ]
     }
 }
 
@@ -27,46 +54,45 @@ impl VerdictMap {
         let (all_columns, all_rows) = (self.x.values.len(), self.y.values.len());
         let columns = all_columns.min(frame.width() as usize);
         let rows = all_rows.min(frame.height() as usize);
-        // Index of the cell at the centre of a raster cell.
+        // Index of the point next to a point of the raster.
         let nearest = |index: usize, drawn: usize, all: usize, flip: bool| {
-            let cell = (2 * index + 1) * all / (2 * drawn);
+            let steps = drawn.saturating_sub(1).max(1);
+            let cell = (2 * index * (all - 1) + steps) / (2 * steps);
             if flip { all - 1 - cell } else { cell }
         };
-        let cells = (0..rows).flat_map(|row| {
-            let row = nearest(row, rows, all_rows, is_y_flipped) * all_columns;
-            (0..columns)
-                .map(move |column| row + nearest(column, columns, all_columns, is_x_flipped))
+        let cells: Vec<[usize; 2]> = (0..rows)
+            .flat_map(|row| {
+                let row = nearest(row, rows, all_rows, is_y_flipped);
+                (0..columns)
+                    .map(move |column| [nearest(column, columns, all_columns, is_x_flipped), row])
+            })
+            .collect();
+        let index = |[column, row]: [usize; 2]| row * all_columns + column;
+        let (categories, levels) = cells
+            .iter()
+            .map(|&cell| (self.category_indices[index(cell)], self.growth_levels[index(cell)]))
+            .unzip();
+        // A raster with fewer points than the map does not resolve the places of boundaries.
+        let is_whole = columns == all_columns && rows == all_rows;
+        let flips = [is_x_flipped, is_y_flipped];
+        let boundaries = [0, 1].map(|axis| {
+            let share = |cell: &[usize; 2]| {
+                let mut cell = *cell;
+                if flips[axis] {
+                    cell[axis] = cell[axis].saturating_sub(1);
+                }
+                let found = self.boundaries[axis].get(index(cell)).copied();
+                let share = found.filter(|share| is_whole && (0.0..=1.0).contains(share));
+                let share = share.unwrap_or(0.5);
+                if flips[axis] { 1.0 - share } else { share }
+            };
+            cells.iter().map(share).collect()
         });
-        let (categories, levels) =
-            cells.map(|cell| (self.category_indices[cell], self.growth_levels[cell])).unzip();
-        VerdictRaster { columns, rows, categories, levels }
-    }
-}
-
-pub(super) fn cell_size(frame: Rectangle, raster: &VerdictRaster) -> (f64, f64) {
-    (frame.width() / raster.columns as f64, frame.height() / raster.rows as f64)
-}
-
-/// Draws lines between cells of different categories.
-pub(super) fn draw_borders(picture: &mut Picture, frame: Rectangle, raster: &VerdictRaster) {
-    let (width, height) = cell_size(frame, raster);
-    let category = |column: usize, row: usize| raster.categories[raster.cell_index(column, row)];
-    let place = |column: usize, row: usize| {
-        [frame.left + column as f64 * width, frame.bottom - row as f64 * height]
-    };
-    // The line width is limited, so that cells a few pixels wide remain visible.
-    let thickness = |size: f64| (0.3 * size).clamp(0.7, 2.4);
-    for column in 1..raster.columns {
-        let differs = |row| category(column - 1, row) != category(column, row);
-        for (from, to) in find_runs(raster.rows, differs) {
-            picture.draw_line([place(column, from), place(column, to)], thickness(width), INK);
-        }
-    }
-    for row in 1..raster.rows {
-        let differs = |column| category(column, row - 1) != category(column, row);
-        for (from, to) in find_runs(raster.columns, differs) {
-            picture.draw_line([place(from, row), place(to, row)], thickness(height), INK);
-        }
+        let is_line = |cell: &[usize; 2]| {
+            is_whole && self.is_line.get(index(*cell)).copied().unwrap_or(false)
+        };
+        let is_line = cells.iter().map(is_line).collect();
+        VerdictRaster { columns, rows, categories, levels, boundaries, is_line }
     }
 }
 

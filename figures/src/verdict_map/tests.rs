@@ -1,7 +1,7 @@
 //! Tests of verdict maps.
 
 use super::colour_map::{INFINITE_LEVEL_COLOUR, SHADE_COUNT, shade_colour};
-use super::figure::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+use super::figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use super::hatching::category_fill;
 use super::levels::LevelRange;
 use super::shares::format_percent;
@@ -30,7 +30,7 @@ fn sample_map(columns: usize, rows: usize) -> VerdictMap {
             VerdictCategory { label: "well-posed".to_owned(), fill_style: FillStyle::WellPosed },
             VerdictCategory {
                 label: "ill-posed, order 1".to_owned(),
-                fill_style: FillStyle::IllPosed,
+                fill_style: FillStyle::IllPosed(Hatching::Plain),
             },
             VerdictCategory {
                 label: "indeterminate".to_owned(),
@@ -40,6 +40,8 @@ fn sample_map(columns: usize, rows: usize) -> VerdictMap {
         category_indices: (0..columns * rows).map(|cell| u8::from(ill_posed(cell))).collect(),
         growth_levels: (0..columns * rows).map(level).collect(),
         level_label: "growth rate (1/s)".to_owned(),
+        boundaries: [Vec::new(), Vec::new()],
+        is_line: Vec::new(),
         curves: vec![MapCurve {
             label: "bound".to_owned(),
             points: vec![[45.0, -1e3], [45.0, 1e3]],
@@ -89,7 +91,26 @@ fn cells_have_expected_positions() {
         (from..to).filter(|&x| (200..280).any(|y| grey(x, y) < 200)).count()
     };
     assert!(dark(540, 800) > 200);
-    assert_eq!(dark(200, 450) + dark(950, 1400), 0);
+    assert_eq!(dark(200, 400) + dark(950, 1400), 0);
+}
+
+/// A set of points on a diagonal is drawn as a line, and its share is zero.
+#[test]
+fn sets_without_area_are_drawn_as_lines() {
+    let mut map = sample_map(9, 9);
+    map.category_indices = (0..81).map(|cell| u8::from(cell % 10 != 0)).collect();
+    map.growth_levels.fill(1.0);
+    map.curves.clear();
+    let without = map.draw(FigureFormat::Png).unwrap();
+    map.is_line = (0..81).map(|cell| cell % 10 == 0).collect();
+    check_map(&map);
+    let texts = picture_texts(&map);
+    for expected in ["well-posed (on lines, 0 %)", "ill-posed, order 1 (100 %)"] {
+        assert!(texts.iter().any(|text| text == expected), "{expected} not in {texts:?}");
+    }
+    assert_ne!(without, map.draw(FigureFormat::Png).unwrap());
+    map.boundaries = [vec![1.0; 81], vec![0.0; 81]];
+    check_map(&map);
 }
 
 #[test]
@@ -121,11 +142,12 @@ fn fill_styles_differ_in_greyscale() {
     use FillStyle::*;
     let styles = [
         WellPosed,
-        IllPosed,
-        IllPosed,
-        IllPosed,
-        IllPosed,
-        IllPosed,
+        IllPosed(Hatching::Plain),
+        IllPosed(Hatching::Rising),
+        IllPosed(Hatching::Falling),
+        IllPosed(Hatching::Horizontal),
+        IllPosed(Hatching::Vertical),
+        IllPosed(Hatching::Crossed),
         UnboundedAtFiniteWaveNumber,
         Marginal,
         Indeterminate,
@@ -139,7 +161,7 @@ fn fill_styles_differ_in_greyscale() {
     check_map(&map);
     let fills: Vec<(f64, usize, [f64; 2])> = (0..styles.len())
         .map(|index| {
-            let (ground, hatches) = category_fill(styles[index], map.variant_index(index));
+            let (ground, hatches) = category_fill(styles[index]);
             let along = hatches.first().map_or([0.0; 2], |hatch| hatch.direction);
             (luminance(ground), hatches.len(), along)
         })

@@ -24,4 +24,4 @@ pub use grid::ImageGrid;
 pub use image_data::ImageData;
 pub use number::VtkNumber;
 pub use poly_data::{POINTS_ARRAY, PolyData};
-pub use reader::{read_plain_time, read_plain_values};
+pub use reader::{read_plain_integers, read_plain_time, read_plain_values};

@@ -38,10 +38,7 @@ pub trait Number:
     fn max(self, other: Self) -> Self;
 
     /// Minimum of two numbers, lane by lane; `other` where `self < other` is false, including NaN.
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        -(-self).max(-other)
-    }
+    fn min(self, other: Self) -> Self;
 
     /// Square root.
     fn sqrt(self) -> Self;
@@ -90,6 +87,11 @@ macro_rules! number {
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 if self > other { self } else { other }
+            }
+
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other { self } else { other }
             }
 
             #[inline(always)]

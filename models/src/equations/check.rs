@@ -175,7 +175,7 @@ pub(super) fn parse_definitions(
 ) -> Result<Vec<Expression>, TextError> {
     let parse = |own: &NamedText| {
         let place = TextPlace::Definition(own.name.clone());
-        let expression = syntax::parse_expression(&place, &own.text)?;
+        let expression = syntax::parse_expression(&place, &own.text, text.dimensions)?;
         names.check(&place, &own.text, text.dimensions, &expression)?;
         Ok(expression)
     };
@@ -191,7 +191,7 @@ pub(super) fn parse_equations(
         if text.equations[..index].iter().any(|other| other.name == own.name) {
             return Err(TextError::new(place, "the name twice", "name each equation differently"));
         }
-        let sides = syntax::parse_equation(&place, &own.text)?;
+        let sides = syntax::parse_equation(&place, &own.text, text.dimensions)?;
         for side in &sides {
             names.check(&place, &own.text, text.dimensions, side)?;
         }

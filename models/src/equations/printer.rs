@@ -16,14 +16,19 @@ pub(super) fn jet_name(text: &ModelText, variable: JetVariable) -> String {
     name
 }
 
-/// Names of nodes for printing: of definitions and unknowns.
+/// Names of nodes for printing: of definitions and unknowns. Unknowns and parameters keep their names where a
+/// definition gives them another one, as in `s21 = "s12"`.
 pub(super) fn name_nodes(
     nodes: &HashMap<String, NodeId>,
     graph: &Graph,
 ) -> HashMap<NodeId, String> {
     let mut named: Vec<(&String, NodeId)> = nodes.iter().map(|(name, id)| (name, *id)).collect();
     named.sort();
-    let is_short = |id: NodeId| matches!(graph.node(id), Node::Number { .. });
+    let is_short = |id: NodeId| match graph.node(id) {
+        Node::Number { .. } | Node::Parameter(_) => true,
+        Node::Jet(variable) => variable.orders == [0; 4],
+        _ => false,
+    };
     named
         .into_iter()
         .filter(|(_, id)| !is_short(*id))

@@ -6,8 +6,11 @@
 //! product    = unary { ("*" | "/") unary }
 //! unary      = ("-" | "+") unary | power
 //! power      = atom [ "^" unary ]
-//! atom       = number | name | function "(" sum { "," sum } ")" | "(" sum ")"
+//! atom       = number | name | function "(" sum { "," sum } ")" | "(" sum ")" | "sum" "(" index "," sum ")"
 //! ```
+//!
+//! A name or function may end with indices in brackets: `s[1,2]` is `s12`. Inside `sum(j, …)`, a sum over the space
+//! dimensions, `s[1,j]` is `s11`, `s12`, … in turn.
 
 use super::error::{TextError, TextPlace, line_and_column};
 use std::ops::Range;
@@ -17,6 +20,12 @@ const MAX_DEPTH: usize = 250;
 
 /// Largest length of an expression in bytes.
 const MAX_LENGTH: usize = 10_000;
+
+/// Largest number of sums inside each other: the innermost expression is read once per combination of indices.
+const MAX_NESTED_SUMS: usize = 3;
+
+/// Name of a sum over the space dimensions.
+const SUM: &str = "sum";
 
 /// An expression with its range of bytes in the text.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,7 +166,7 @@ impl Callee {
 
 /// Names with a meaning of their own, which no parameter, unknown or definition may have.
 pub(super) fn reserved_names() -> impl Iterator<Item = &'static str> {
-    CALLEES.iter().map(|(name, _)| *name).chain(["pi"])
+    CALLEES.iter().map(|(name, _)| *name).chain(["pi", SUM])
 }
 
 /// Whether a text is a name: a letter or underscore, then letters, digits and underscores.
@@ -173,9 +182,13 @@ fn continues_name(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Parses an expression.
-pub(super) fn parse_expression(place: &TextPlace, text: &str) -> Result<Expression, TextError> {
-    let mut parser = Parser::new(place, text)?;
+/// Parses an expression in `dimensions` space dimensions.
+pub(super) fn parse_expression(
+    place: &TextPlace,
+    text: &str,
+    dimensions: usize,
+) -> Result<Expression, TextError> {
+    let mut parser = Parser::new(place, text, dimensions)?;
     let expression = parser.sum()?;
     match parser.peek() {
         None => Ok(expression),
@@ -184,9 +197,13 @@ pub(super) fn parse_expression(place: &TextPlace, text: &str) -> Result<Expressi
     }
 }
 
-/// Parses an equation into its two sides.
-pub(super) fn parse_equation(place: &TextPlace, text: &str) -> Result<[Expression; 2], TextError> {
-    let mut parser = Parser::new(place, text)?;
+/// Parses an equation in `dimensions` space dimensions into its two sides.
+pub(super) fn parse_equation(
+    place: &TextPlace,
+    text: &str,
+    dimensions: usize,
+) -> Result<[Expression; 2], TextError> {
+    let mut parser = Parser::new(place, text, dimensions)?;
     let left = parser.sum()?;
     if !parser.skip('=') {
         let expected = "an operator + - * / ^ or '=' with the right-hand side, e.g. '= 0'";
@@ -203,12 +220,15 @@ pub(super) fn parse_equation(place: &TextPlace, text: &str) -> Result<[Expressio
 struct Parser<'a> {
     place: &'a TextPlace,
     text: &'a str,
+    dimensions: usize,
     offset: usize,
     depth: usize,
+    /// Indices of the enclosing sums and their values, from 1.
+    indices: Vec<(&'a str, usize)>,
 }
 
 impl<'a> Parser<'a> {
-    fn new(place: &'a TextPlace, text: &'a str) -> Result<Self, TextError> {
+    fn new(place: &'a TextPlace, text: &'a str, dimensions: usize) -> Result<Self, TextError> {
         if text.len() > MAX_LENGTH {
             let found = format!("{} bytes", text.len());
             let remedy = format!("at most {MAX_LENGTH}: use definitions for parts");
@@ -217,7 +237,7 @@ impl<'a> Parser<'a> {
                 ..TextError::new(place.clone(), found, remedy)
             });
         }
-        let mut parser = Self { place, text, offset: 0, depth: 0 };
+        let mut parser = Self { place, text, dimensions, offset: 0, depth: 0, indices: Vec::new() };
         parser.skip_space();
         Ok(parser)
     }
@@ -417,19 +437,106 @@ impl<'a> Parser<'a> {
         self.build(ExpressionKind::Number { value, is_exact }, start..start + end, [])
     }
 
-    fn name_or_call(&mut self) -> Result<Expression, TextError> {
-        let start = self.offset;
+    /// Reads letters, digits and underscores, as many as there are, and the space after them.
+    fn word(&mut self) -> &'a str {
         let rest = self.rest();
         let end = rest.find(|c| !continues_name(c)).unwrap_or(rest.len());
-        let name = &rest[..end];
         self.offset += end;
         self.skip_space();
+        &rest[..end]
+    }
+
+    /// Parses indices in brackets, if there are any, and appends their digits to a name.
+    fn append_indices(&mut self, name: &str) -> Result<String, TextError> {
+        let mut name = name.to_owned();
+        if !self.skip('[') {
+            return Ok(name);
+        }
+        loop {
+            let start = self.offset;
+            let index = self.word();
+            let bound = self.indices.iter().find(|(own, _)| *own == index).map(|(_, value)| *value);
+            let Some(value) = bound.or(index.parse().ok().filter(|own| (1..=3).contains(own)))
+            else {
+                let known: Vec<&str> = self.indices.iter().map(|(own, _)| *own).collect();
+                let remedy = match known[..] {
+                    [] => "expected 1, 2 or 3, or the index of a sum, as in sum(j, d[j](v[j]))"
+                        .to_owned(),
+                    _ => format!("expected 1, 2, 3 or {}", known.join(", ")),
+                };
+                let found = match index {
+                    "" => "no index".to_owned(),
+                    _ => format!("the index {index}"),
+                };
+                return Err(self.error_at(start, found, &remedy));
+            };
+            name.push_str(&value.to_string());
+            if self.skip(']') {
+                return Ok(name);
+            }
+            if !self.skip(',') {
+                return Err(self.unexpected("',' or ']' after an index"));
+            }
+        }
+    }
+
+    /// Parses `(j, …)` after `sum`, which starts at `start`: the sum of the expression over the space dimensions j.
+    fn indexed_sum(&mut self, start: usize) -> Result<Expression, TextError> {
+        const EXAMPLE: &str = "as in sum(j, d[j](v[j]))";
+        let open = self.offset;
+        if !self.skip('(') {
+            return Err(self.unexpected(&format!("'(' after sum, {EXAMPLE}")));
+        }
+        let at = self.offset;
+        let index = self.word();
+        if !is_name(index) {
+            self.offset = at;
+            return Err(self.unexpected(&format!("an index, {EXAMPLE}")));
+        }
+        if self.indices.iter().any(|(own, _)| *own == index) {
+            let remedy = "name the indices of sums inside each other differently";
+            return Err(self.error_at(at, format!("the index {index} twice"), remedy));
+        }
+        if self.indices.len() == MAX_NESTED_SUMS {
+            let found = format!("more than {MAX_NESTED_SUMS} sums inside each other");
+            return Err(self.error_at(start, found, "use definitions for parts"));
+        }
+        if !self.skip(',') {
+            return Err(self.unexpected(&format!("',' after the index, {EXAMPLE}")));
+        }
+        let body = self.offset;
+        let mut total: Option<Expression> = None;
+        for value in 1..=self.dimensions {
+            self.offset = body;
+            self.indices.push((index, value));
+            let term = self.nested(Self::sum)?;
+            self.indices.pop();
+            total = Some(match total {
+                None => term,
+                Some(sum) => self.build_binary(BinaryOperator::Add, sum, term)?,
+            });
+        }
+        self.close(open)?;
+        match total {
+            Some(total) => Ok(Expression { span: start..self.end_of_last(), ..total }),
+            None => Err(self.error_at(start, "a sum", "a model has at least one dimension")),
+        }
+    }
+
+    fn name_or_call(&mut self) -> Result<Expression, TextError> {
+        let start = self.offset;
+        let word = self.word();
+        if word == SUM {
+            return self.indexed_sum(start);
+        }
+        let name = &self.append_indices(word)?;
         let callee = Callee::from_name(name);
         let open = self.offset;
         if !self.rest().starts_with('(') {
+            let span = start..self.end_of_last();
             return match callee {
                 Some(_) => Err(self.unexpected(&format!("'(' after the function {name}"))),
-                None => self.build(ExpressionKind::Name(name.to_owned()), start..start + end, []),
+                None => self.build(ExpressionKind::Name(name.to_owned()), span, []),
             };
         }
         let Some(callee) = callee else {

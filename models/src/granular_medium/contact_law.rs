@@ -129,51 +129,39 @@ impl<N: Number> GranularContact<N> {
         let (pressure, deviator) = (-trial.mean(), trial.deviator());
         let intensity = self.intensity_factor * deviator.squared_norm().sqrt();
 
-        // The cases of the table from the last to the first.
-        let friction_k = friction * k;
         let [cylinder_compliance, cone_compliance, corner_compliance] = self.compliances;
-        let opening = (self.corner_pressure - pressure) * corner_compliance;
-        // New pressure and intensity, and the part Mλ_K of the intensity that opens the contact.
-        let mut case = [self.corner_pressure, yield_stress, m * opening];
-        let is_cylinder = not_above(self.corner_pressure, pressure);
-        replace(&mut case, is_cylinder, [pressure, yield_stress, N::ZERO]);
-        let cone_pressure = (m * pressure + friction_k * intensity) * cone_compliance;
-        let on_cone = friction * cone_pressure;
-        let is_outside_cone = intensity.select_gt(friction * pressure, N::ONE, N::ZERO);
-        let is_cone = is_outside_cone * not_above(on_cone, yield_stress);
-        replace(&mut case, is_cone, [cone_pressure, on_cone, intensity - on_cone]);
-        let is_apex = not_above(friction_k * intensity, -(m * pressure));
-        replace(&mut case, is_apex, [N::ZERO, N::ZERO, intensity]);
-        // Without friction a tensile mean stress also satisfies t̄ ≤ æp̄.
-        let is_inside = not_above(intensity, friction * pressure)
-            * not_above(intensity, yield_stress)
-            * not_above(N::ZERO, pressure);
-        replace(&mut case, is_inside, [pressure, intensity, N::ZERO]);
-        let [new_pressure, new_intensity, opened_intensity] = case;
-        let multiplier = (intensity - new_intensity - opened_intensity) * cylinder_compliance;
+        // The table without cases: the pressure rises to that of the cone, but not beyond that of the corner.
+        let cone_pressure = (m * pressure + friction * k * intensity) * cone_compliance;
+        let cone_pressure = intensity.select_gt(friction * pressure, cone_pressure, pressure);
+        let new_pressure = pressure.max(cone_pressure.max(N::ZERO).min(self.corner_pressure));
+        let new_intensity = intensity.min(yield_stress).min(friction * new_pressure);
+        let (expansion, lost) = (new_pressure - pressure, intensity - new_intensity);
+        // Part Mλ_K of the intensity that opens the contact: all that is lost below the pressure of the corner.
+        let opened_at_corner = (m * corner_compliance * expansion).min(lost);
+        let opened_intensity = self.corner_pressure.select_gt(new_pressure, lost, opened_at_corner);
+        let multiplier = (lost - opened_intensity) * cylinder_compliance;
 
         let inverse = N::ONE / intensity.max(N::MIN_POSITIVE);
         let kept = new_intensity * inverse;
         let opened = opened_intensity * inverse;
-        let opened_pressure = pressure - new_pressure;
+        // Zero where the trial state is admissible.
+        let change = expansion.max(lost);
         let mut result = GranularStep {
             stress: trial,
             excess: SymmetricTensor::ZERO,
-            plastic_dissipation: yield_stress.min(new_intensity) * multiplier,
+            plastic_dissipation: new_intensity * multiplier,
             other_loss: N::ZERO,
         };
         // Copied where the state is inside, so that a medium that never opens has the bits of an elastic solid.
         for i in 0..3 {
             let new = deviator.normal[i] * kept - new_pressure;
-            let excess = deviator.normal[i] * opened - opened_pressure;
-            result.stress.normal[i] = is_inside.select_gt(N::ZERO, trial.normal[i], new);
-            result.excess.normal[i] = is_inside.select_gt(N::ZERO, N::ZERO, excess);
+            result.stress.normal[i] = change.select_gt(N::ZERO, new, trial.normal[i]);
+            result.excess.normal[i] = deviator.normal[i] * opened + expansion;
         }
         for i in 0..SHEAR_COUNT {
             let new = deviator.shear[i] * kept;
-            let excess = deviator.shear[i] * opened;
-            result.stress.shear[i] = is_inside.select_gt(N::ZERO, trial.shear[i], new);
-            result.excess.shear[i] = is_inside.select_gt(N::ZERO, N::ZERO, excess);
+            result.stress.shear[i] = change.select_gt(N::ZERO, new, trial.shear[i]);
+            result.excess.shear[i] = deviator.shear[i] * opened;
         }
         let loss = self.energy_difference(stress, result.stress);
         result.other_loss = loss - result.plastic_dissipation;
@@ -205,21 +193,5 @@ impl<N: Number> GranularContact<N> {
             difference.mean() * sum.mean() / self.bulk_modulus,
             factor * factor * deviatoric / self.energy_modulus,
         ]
-    }
-}
-
-// Functions, not closures, which would lose the SIMD instructions of the caller.
-
-/// Returns 1 where a ≤ b, else 0.
-#[inline(always)]
-fn not_above<N: Number>(a: N, b: N) -> N {
-    a.select_gt(b, N::ZERO, N::ONE)
-}
-
-/// Replaces three values where `is_case` is positive.
-#[inline(always)]
-fn replace<N: Number>(case: &mut [N; 3], is_case: N, values: [N; 3]) {
-    for (own, value) in case.iter_mut().zip(values) {
-        *own = is_case.select_gt(N::ZERO, value, *own);
     }
 }

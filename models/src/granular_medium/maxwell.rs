@@ -139,7 +139,7 @@ impl<N: Number> MaxwellStep<N> {
 
 /// Multiplies the deviator and the mean of a tensor by factors.
 #[inline(always)]
-fn scale_parts<N: Number, const SHEAR_COUNT: usize>(
+pub(super) fn scale_parts<N: Number, const SHEAR_COUNT: usize>(
     tensor: SymmetricTensor<N, SHEAR_COUNT>,
     [of_deviator, of_mean]: [N; 2],
 ) -> SymmetricTensor<N, SHEAR_COUNT> {

@@ -9,10 +9,12 @@
 //! speed of sound are zero.
 
 mod contact_law;
+mod kelvin_voigt;
 mod maxwell;
 mod parameters;
 mod uniaxial;
 
 pub use contact_law::{GranularContact, GranularStep};
+pub use kelvin_voigt::{DampedState, KelvinVoigtParticles, KelvinVoigtStep};
 pub use maxwell::{MaxwellParticles, MaxwellStep, RelaxedState};
 pub use parameters::{GranularMedium, GranularParameters};

@@ -50,6 +50,11 @@ pub struct PoreConeStep<N, const SHEAR_COUNT: usize> {
 impl PoreConeLaw<f64> {
     /// Creates the constants of a medium; `None` unless its contact is a cone, and its skeleton elastic.
     pub fn new(medium: &PorousMedium) -> Option<Self> {
+        Self::with_any_skeleton(medium).filter(|_| medium.parameters().yield_stress.is_none())
+    }
+
+    /// Creates the constants of a medium whose skeleton may yield; `None` unless its contact is a cone.
+    pub(super) fn with_any_skeleton(medium: &PorousMedium) -> Option<Self> {
         let own = medium.parameters();
         let PoreContact::Frictional { shear_modulus, friction } = own.contact else { return None };
         let bulk_modulus = own.contact_bulk_modulus;
@@ -60,7 +65,7 @@ impl PoreConeLaw<f64> {
             friction,
             None,
         );
-        own.yield_stress.is_none().then(|| Self {
+        Some(Self {
             contact,
             bulk_share: bulk_modulus / (own.bulk_modulus + bulk_modulus),
             shear_share: shear_modulus / (own.shear_modulus + shear_modulus),

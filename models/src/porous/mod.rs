@@ -11,9 +11,11 @@
 
 mod cone_law;
 mod parameters;
+mod plastic_cone_law;
 mod pore_law;
 mod uniaxial;
 
 pub use cone_law::{PoreConeLaw, PoreConeStep};
 pub use parameters::{PoreContact, PorousMedium, PorousParameters};
+pub use plastic_cone_law::{PlasticPoreConeLaw, PlasticPoreConeStep};
 pub use pore_law::{PoreLaw, PoreState, PoreStep};

@@ -217,11 +217,8 @@ impl<N: Number, const SHEAR_COUNT: usize> SymmetricTensor<N, SHEAR_COUNT> {
     #[must_use]
     pub fn deviator(mut self) -> Self {
         let [a, b, c] = self.normal;
-        self.normal = [
-            N::THIRD * ((a - b) + (a - c)),
-            N::THIRD * ((b - c) + (b - a)),
-            N::THIRD * ((c - a) + (c - b)),
-        ];
+        let (ab, bc, ca) = (a - b, b - c, c - a);
+        self.normal = [N::THIRD * (ab - ca), N::THIRD * (bc - ab), N::THIRD * (ca - bc)];
         self
     }
 

@@ -33,24 +33,34 @@ pub enum SolidField {
     /// Excess sᵢⱼ − σᵢⱼ of the conditional stress, i ≤ j, Pa: history variable of a
     /// [granular medium](crate::granular_medium).
     ExcessStress(usize, usize),
+    /// Stress of the spring of particles with a parallel dashpot, i ≤ j, Pa: history variable of a
+    /// [granular medium](crate::granular_medium).
+    SpringStress(usize, usize),
+    /// Plastic strain εᵖᵢⱼ of the skeleton, i ≤ j: history variable of a [porous medium](crate::porous) with contact by cone.
+    PlasticStrain(usize, usize),
     /// Volumetric strain tr ε: history variable of a [porous medium](crate::porous).
     VolumetricStrain,
     /// Closure κ = min(θ₀ + tr ε, 0) of the pores of a [porous medium](crate::porous): history variable.
     PoreClosure,
 }
 use SolidField::{
-    Couple, ExcessStress, PoreClosure, Spin, Stress, Velocity, ViscousStrain, VolumetricStrain,
+    Couple, ExcessStress, PlasticStrain, PoreClosure, Spin, SpringStress, Stress, Velocity,
+    ViscousStrain, VolumetricStrain,
 };
 
 impl SolidField {
     /// Whether the component is a history variable of a local law, which the sweeps do not read.
     pub const fn is_history(self) -> bool {
-        matches!(self, ViscousStrain(..) | ExcessStress(..) | VolumetricStrain | PoreClosure)
+        match self {
+            Velocity(_) | Spin(_) | Stress(..) | Couple(..) => false,
+            ViscousStrain(..) | ExcessStress(..) | SpringStress(..) | PlasticStrain(..)
+            | VolumetricStrain | PoreClosure => true,
+        }
     }
 }
 
 /// Writes the name of the component, as among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`,
-/// `σ12`, `m31`; for history variables `a12`, `x12`, `θ` and `κ`.
+/// `σ12`, `m31`; for history variables `a12`, `x12`, `b12`, `εp12`, `θ` and `κ`.
 impl fmt::Display for SolidField {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -60,6 +70,8 @@ impl fmt::Display for SolidField {
             Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
             ViscousStrain(i, j) => write!(formatter, "a{}{}", i + 1, j + 1),
             ExcessStress(i, j) => write!(formatter, "x{}{}", i + 1, j + 1),
+            SpringStress(i, j) => write!(formatter, "b{}{}", i + 1, j + 1),
+            PlasticStrain(i, j) => write!(formatter, "εp{}{}", i + 1, j + 1),
             VolumetricStrain => formatter.write_str("θ"),
             PoreClosure => formatter.write_str("κ"),
         }

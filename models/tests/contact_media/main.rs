@@ -3,8 +3,10 @@
 
 mod closed_forms;
 mod granular_steps;
+mod kelvin_voigt;
 mod maxwell;
 mod parameters;
+mod plastic_cone_steps;
 mod pore_cone_steps;
 mod pore_steps;
 mod tensor_law;

@@ -8,9 +8,9 @@ use wellposed_models::common::number::Number;
 use wellposed_models::porous::{PoreConeLaw, PoreContact, PorousMedium, PorousParameters};
 use wellposed_models::rheology::relaxation::SymmetricTensor;
 
-const UNIT: Vector = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+pub(super) const UNIT: Vector = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
-fn random_parameters(random: &mut RandomNumbers) -> PorousParameters {
+pub(super) fn random_parameters(random: &mut RandomNumbers) -> PorousParameters {
     let bulk_modulus = random.log_uniform(1e6, 1e11);
     PorousParameters {
         density: 2700.0,
@@ -28,14 +28,14 @@ fn random_parameters(random: &mut RandomNumbers) -> PorousParameters {
 }
 
 /// Stiffnesses of the skeleton and of the spring of collapsed pores.
-struct Springs {
+pub(super) struct Springs {
     parameters: PorousParameters,
-    contact_shear_modulus: f64,
-    friction: f64,
+    pub(super) contact_shear_modulus: f64,
+    pub(super) friction: f64,
 }
 
 impl Springs {
-    fn new(parameters: PorousParameters) -> Self {
+    pub(super) fn new(parameters: PorousParameters) -> Self {
         let PoreContact::Frictional { shear_modulus, friction } = parameters.contact else {
             panic!("{parameters:?}")
         };
@@ -47,21 +47,21 @@ impl Springs {
         combine(deviatoric, bulk_modulus * trace(strain), UNIT)
     }
 
-    fn skeleton(&self, strain: Vector) -> Vector {
+    pub(super) fn skeleton(&self, strain: Vector) -> Vector {
         Self::stress([self.parameters.bulk_modulus, self.parameters.shear_modulus], strain)
     }
 
-    fn spring(&self, strain: Vector) -> Vector {
+    pub(super) fn spring(&self, strain: Vector) -> Vector {
         Self::stress([self.parameters.contact_bulk_modulus, self.contact_shear_modulus], strain)
     }
 
-    fn spring_elasticity(&self) -> Elasticity {
+    pub(super) fn spring_elasticity(&self) -> Elasticity {
         Elasticity::new(self.parameters.contact_bulk_modulus, self.contact_shear_modulus)
     }
 }
 
 /// Draws a strain of a size around that at which the pores collapse.
-fn draw_strain(random: &mut RandomNumbers, porosity: f64) -> Vector {
+pub(super) fn draw_strain(random: &mut RandomNumbers, porosity: f64) -> Vector {
     let unit = porosity.max(1e-4) * random.log_uniform(1e-3, 1e2);
     let mut strain = [0.0; 6].map(|_: f64| unit * random.uniform(-1.0, 1.0));
     match random.uniform_index(4) {
@@ -72,7 +72,7 @@ fn draw_strain(random: &mut RandomNumbers, porosity: f64) -> Vector {
     strain
 }
 
-fn to_tensor<N: Number>(vector: Vector) -> SymmetricTensor<N, 3> {
+pub(super) fn to_tensor<N: Number>(vector: Vector) -> SymmetricTensor<N, 3> {
     let shear = |i: usize| N::from_f64(vector[i] / std::f64::consts::SQRT_2);
     SymmetricTensor {
         normal: [0, 1, 2].map(|i| N::from_f64(vector[i])),

@@ -4,10 +4,11 @@ use crate::support::RandomNumbers;
 use crate::text_models::granular_rheology;
 use wellposed_models::equations::{TextModel, TextPlace};
 
-const PIECES: [&str; 40] = [
+const PIECES: [&str; 46] = [
     "(", ")", "+", "-", "*", "/", "^", "=", ",", " ", "\n", "d1(", "d3(", "D(", "dt(", "sqrt(",
     "v1", "p", "rate", "1e999", "1.2.3", "1e", "..", "$", "é", "μ", "\u{0}", "atan2(", "min(p",
-    "0", "d1", "**", "2x", "_", "\\", "\"", "[", "}", "sin", "I0",
+    "0", "d1", "**", "2x", "_", "\\", "\"", "[", "}", "sin", "I0", "sum(j, ", "sum(", "d[j](",
+    "v[j]", "j", "]",
 ];
 
 /// 10,000 equations and definitions with random insertions, deletions, replacements and exchanges.

@@ -2,7 +2,7 @@
 
 use crate::text_models::{coefficient, granular_rheology, jet, model_text, state};
 use wellposed_models::LinearisedSystem;
-use wellposed_models::equations::{EvaluationError, TextModel, TextWorkspace};
+use wellposed_models::equations::{EvaluationError, NamedText, TextModel, TextWorkspace};
 
 const RHEOLOGY_PARAMETERS: [f64; 6] = [1500.0, 2500.0, 5e-4, 0.342, 0.557, 0.069];
 
@@ -213,4 +213,70 @@ fn residuals_refuse_a_background_unless_driven_or_solved() {
     at.solved = vec![jet(&model, "p", [1, 0, 0, 0])];
     let error = model.solve_background(&mut at, &mut workspace).expect_err("∂ₜp is nowhere");
     assert!(matches!(error, EvaluationError::NotDetermined { .. }), "{error}");
+}
+
+/// The rheology with its sums written by indices has the coefficients of the one with all terms, and the stress σ[2,1]
+/// needs a name of its own.
+#[test]
+fn sums_over_the_dimensions_equal_their_terms() {
+    let mut text = granular_rheology();
+    let replace = |list: &mut Vec<NamedText>, name: &str, text: &str| match list
+        .iter_mut()
+        .find(|own| own.name == name)
+    {
+        Some(own) => own.text = text.into(),
+        None => list.push(NamedText { name: name.into(), text: text.into() }),
+    };
+    replace(&mut text.equations, "momentum 1", "rho*D(v1) = sum(j, d[j](s[1,j]))");
+    replace(&mut text.equations, "momentum 2", "rho*D(v[2]) = sum(j, d[j](s[2, j]))");
+    replace(&mut text.equations, "volume", "sum(i, d[i](v[i])) = 0");
+    let rate = "sqrt(sum(i, sum(k, (d[i](v[k]) + d[k](v[i]))^2))/2)";
+    replace(&mut text.definitions, "rate", rate);
+    let error = TextModel::new(&text).expect_err("no s21");
+    assert_eq!(error.position, Some([1, 27]), "{error}");
+    assert!(error.found.contains("'s21'"), "{error}");
+    replace(&mut text.definitions, "s21", "s12");
+    let systems = [granular_rheology(), text].map(|text| {
+        let model = TextModel::new(&text).expect("a model");
+        let values = [("p", [0; 4], 1000.0), ("v1", [0, 0, 1, 0], 10.0)];
+        let at = state(&model, &RHEOLOGY_PARAMETERS, &values);
+        let mut system = LinearisedSystem::<2>::default();
+        model.linearise(&at, &mut TextWorkspace::default(), &mut system).expect("a smooth state");
+        system
+    });
+    for row in 0..3 {
+        for column in 0..3 {
+            for powers in [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]] {
+                for time in [0, 1] {
+                    let [a, b] =
+                        systems.each_ref().map(|own| coefficient(own, (row, column), time, powers));
+                    let error = (a.value - b.value).abs();
+                    assert!(error <= 1e-14 * a.value.abs() + a.bound, "{a:?}, {b:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_sums_are_refused_with_place_and_remedy() {
+    let cases = [
+        ("sum(j, d[k](v[j]))", [1, 10], "1, 2, 3 or j"),
+        ("d[j](v1)", [1, 3], "the index of a sum"),
+        ("d[4](v1)", [1, 3], "1, 2 or 3"),
+        ("sum(j, sum(j, v[j]))", [1, 12], "differently"),
+        ("sum(j d[j](v[j]))", [1, 7], "','"),
+        ("sum(2, v1)", [1, 5], "an index"),
+        ("sum j", [1, 5], "'('"),
+        ("sum(j, v[j) + p", [1, 11], "']'"),
+        ("sum(j, v[j] + p", [1, 16], "')'"),
+        ("sum(a, sum(b, sum(c, sum(e, v[e]))))", [1, 22], "definitions"),
+    ];
+    for (case, position, remedy) in cases {
+        let mut text = granular_rheology();
+        text.definitions[0].text = case.into();
+        let error = TextModel::new(&text).expect_err(case);
+        assert_eq!(error.position, Some(position), "{case}: {error}");
+        assert!(error.remedy.contains(remedy), "{case}: {error}");
+    }
 }

@@ -185,6 +185,10 @@ impl Number for TwoLanes {
         self.zip(other, Number::max)
     }
 
+    fn min(self, other: Self) -> Self {
+        self.zip(other, Number::min)
+    }
+
     fn sqrt(self) -> Self {
         Self(self.0.map(f64::sqrt))
     }

@@ -70,5 +70,5 @@ pub(in crate::cli) fn draw_animation(
     if scale.max_magnitude == 0.0 {
         return Ok(AnimationOutput::AllZero);
     }
-    Ok(AnimationOutput::Gif(frames.draw_animation(scale, all())?))
+    Ok(AnimationOutput::Gif(frames.draw_animation(scale, names.len(), all())?))
 }

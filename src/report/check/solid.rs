@@ -136,7 +136,7 @@ impl MediumCheck {
         self.solid.elastic_law.downcast::<Isotropic>().is_some()
     }
 
-    /// Returns the curves of all propagating branches, up to 1.05 times the largest measured wave number `greatest`,
+    /// Returns the curves of all branches, up to 1.05 times the largest measured wave number `greatest`,
     /// 1/m.
     fn create_curves(&self, greatest: f64) -> Vec<DispersionBranch> {
         let speeds = self
@@ -151,20 +151,25 @@ impl MediumCheck {
         let mut curves = Vec::new();
         for (response, group) in groups {
             for (index, curve) in group.curves(1.05 * greatest).into_iter().enumerate() {
-                if curve
+                let is_neutral = curve
                     .iter()
-                    .all(|p| p.frequency <= MIN_RELATIVE_SPEED * p.wave_number * greatest_speed)
-                {
-                    continue;
-                }
+                    .all(|p| p.frequency <= MIN_RELATIVE_SPEED * p.wave_number * greatest_speed);
                 let label = group.label(index);
+                let name = if is_neutral { format!("{label}, neutral") } else { label.clone() };
                 curves.push(DispersionBranch {
-                    measured_frequency: self.collect_measured_points(response, &label),
+                    measured_frequency: self.collect_measured_points(response, &label, |_| true),
+                    disagreeing_frequency: self.collect_measured_points(response, &label, |row| {
+                        row.is_in_agreement == Some(false)
+                    }),
                     label: match response {
-                        WaveResponse::Elastic => label,
-                        other => format!("{}: {label}", other.name()),
+                        WaveResponse::Elastic => name,
+                        other => format!("{}: {name}", other.name()),
                     },
-                    frequency: curve.iter().map(|p| [p.wave_number, p.frequency]).collect(),
+                    // A neutral branch is drawn at zero, not at its rounding error.
+                    frequency: curve
+                        .iter()
+                        .map(|p| [p.wave_number, if is_neutral { 0.0 } else { p.frequency }])
+                        .collect(),
                     group_speed: Vec::new(),
                     growth_rate: Vec::new(),
                 });
@@ -173,8 +178,14 @@ impl MediumCheck {
         curves
     }
 
-    /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of the branch named `label`.
-    fn collect_measured_points(&self, response: WaveResponse, label: &str) -> Vec<[f64; 2]> {
+    /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of the rows of the branch named `label` that
+    /// `is_selected` selects.
+    fn collect_measured_points(
+        &self,
+        response: WaveResponse,
+        label: &str,
+        is_selected: impl Fn(&BranchCheck) -> bool,
+    ) -> Vec<[f64; 2]> {
         let Some(first) = self.branch_checks.first().map(|row| row.wave) else { return Vec::new() };
         let is_isotropic = self.is_isotropic();
         let is_own = |row: &&BranchCheck| {
@@ -183,7 +194,7 @@ impl MediumCheck {
                 && row.branch_label == label
                 && (is_along || (is_isotropic && response != WaveResponse::Loading))
         };
-        let own = self.branch_checks.iter().filter(is_own);
+        let own = self.branch_checks.iter().filter(is_own).filter(|row| is_selected(row));
         own.filter_map(|row| Some([row.wave.wave_number, row.extrapolated_result?.frequency]))
             .collect()
     }

@@ -8,7 +8,7 @@ use crate::study::MapResult;
 use crate::study::map::summary::MapAxis;
 use crate::study::map::{MapPoint, PointStatus};
 use analysis::solids::Hyperbolicity;
-use figures::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+use figures::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use models::common::elementary::Elementary;
 
 /// Class of growth at a map point: order of growth in the wave number, and for solids the type of the characteristic
@@ -48,6 +48,8 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
         category_indices: points.iter().map(|point| category_index(&kinds, point)).collect(),
         growth_levels: level,
         level_label,
+        boundaries: found.boundaries.step_fractions.clone(),
+        is_line: found.boundaries.is_on_line.clone(),
         curves: collect_noncoaxiality_curves(found),
     }
 }
@@ -61,7 +63,7 @@ fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
             speeds.map_or(String::new(), |speeds| format!(" by {}", speeds.cause())),
             format_superscript(*order)
         ),
-        fill_style: FillStyle::IllPosed,
+        fill_style: FillStyle::IllPosed(growth_hatching(*order, *speeds)),
     }));
     categories.extend(
         [
@@ -75,6 +77,19 @@ fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
         .map(|(label, look)| VerdictCategory { label: label.into(), fill_style: look }),
     );
     categories
+}
+
+/// Returns the hatching of a kind of growth, the same in all maps: of solids by the cause, of flows by the order.
+fn growth_hatching(order: f64, speeds: Option<Hyperbolicity>) -> Hatching {
+    match speeds {
+        Some(Hyperbolicity::Flutter) => Hatching::Plain,
+        Some(Hyperbolicity::FlutterAndShearBand) => Hatching::Crossed,
+        Some(_) => Hatching::Vertical,
+        None if order == 2.0 => Hatching::Plain,
+        None if order == 1.0 => Hatching::Rising,
+        None if order < 1.0 => Hatching::Falling,
+        None => Hatching::Horizontal,
+    }
 }
 
 /// Returns the index of a point's category in [`create_categories`].
@@ -124,30 +139,30 @@ fn compute_colour_level(
     }
 }
 
-/// Describes the model, and those of the parameters most relevant to the verdict that the map does not sweep.
+/// Returns the symbol of a parameter by its label, such as ρ of "density ρ"; the whole label if it has none.
+fn parameter_symbol(label: &str) -> &str {
+    match label.rsplit_once(' ') {
+        Some((_, symbol)) if symbol.chars().count() <= 3 => symbol,
+        _ => label,
+    }
+}
+
+/// Describes the model and all parameters of model, yield set and background that the map does not sweep, except those
+/// that are zero.
 fn format_subtitle(case: &Case, found: &MapResult) -> String {
-    let fixed = [
-        "model.friction_angle_deg",
-        "model.dilatancy_angle_deg",
-        "model.rotational_strength",
-        "background.noncoaxiality_deg",
-        "yield.shear_friction",
-        "yield.shear_dilatancy",
-        "yield.friction",
-        "yield.dilatancy",
-    ]
-    .into_iter()
-    .filter(|name| *name != found.x.parameter && *name != found.y.parameter)
-    .filter_map(SweepParameter::find_by_name)
-    .filter(|parameter| parameter.key().is_used_by(case.medium()))
-    .filter_map(|parameter| {
-        let value = parameter.value(&case.material.numbers)?;
-        Some(format!(
-            "{} = {}{}",
-            parameter.label(),
-            format_short(value),
-            format_unit_suffix(parameter.unit())
-        ))
+    let fixed = SweepParameter::all_parameters().filter_map(|parameter| {
+        let name = parameter.name();
+        let is_of_state =
+            ["model.", "yield.", "background."].iter().any(|section| name.starts_with(section));
+        let is_fixed = is_of_state
+            && name != found.x.parameter
+            && name != found.y.parameter
+            && parameter.key().is_used_by(case.medium());
+        let value = parameter.value(&case.material.numbers).filter(|value| *value != 0.0)?;
+        is_fixed.then(|| {
+            let symbol = parameter_symbol(&parameter.label()).to_owned();
+            format!("{symbol} = {}{}", format_short(value), format_unit_suffix(parameter.unit()))
+        })
     });
     let space = match (case.material.kind, case.material.numbers.dimensions) {
         (ModelKind::Solid(_), 3) => Some("in space".to_owned()),

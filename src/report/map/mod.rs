@@ -11,6 +11,7 @@ use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, ModelKind};
 use crate::study::MapResult;
+use crate::study::map::PointStatus;
 use crate::study::map::summary::FastestGrowthPoint;
 use analysis::flows::FLOW_ROUTE;
 use analysis::solids::{Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE};
@@ -85,8 +86,16 @@ impl MapResult {
                 ModelKind::Equations => "states that satisfy the equations",
                 ModelKind::Solid(_) => "states with a response",
             };
-            lines
-                .push(format!("Of the {which}, {} % are well-posed.", format_short(100.0 * share)));
+            lines.push(
+                match self.boundaries.is_status_on_lines(&self.points, PointStatus::WellPosed) {
+                    true => format!(
+                        "Of the {which}, only some on lines are well-posed, 0 % of the area."
+                    ),
+                    false => {
+                        format!("Of the {which}, {} % are well-posed.", format_short(100.0 * share))
+                    }
+                },
+            );
         }
         if self.unbounded_at_finite_wave_number > 0 {
             lines.push(format!(

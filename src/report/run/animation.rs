@@ -13,12 +13,17 @@ use figures::{FieldFigure, GifAnimation};
 /// Function that reads the values to be drawn from the bytes of a snapshot, or returns an error message.
 type SnapshotReader<'a> = Box<dyn Fn(&[u8]) -> Result<Vec<f64>, String> + 'a>;
 
+/// Function that reads the region of each cell of the picture from the bytes of a snapshot; empty without regions.
+type RegionReader<'a> = Box<dyn Fn(&[u8]) -> Vec<u16> + 'a>;
+
 /// Function that creates the figure of a snapshot from its time, s, and its values to be drawn.
 type FigureBuilder<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
 
 /// Converter of the snapshots of a case to the frames of an animation.
 pub struct FrameConverter<'a> {
     read_values: SnapshotReader<'a>,
+    /// Reader of the regions of the cells; `None` if the medium has none.
+    read_regions: Option<RegionReader<'a>>,
     build_figure: FigureBuilder<'a>,
     /// Blocks and joints of a blocky medium; `None` for other media.
     jointed_blocks: Option<&'a Blocks>,
@@ -52,6 +57,8 @@ pub struct AnimationFrame {
     snapshot_time: f64,
     /// Values to be drawn, in display units, first axis of the picture fastest.
     values: Vec<f64>,
+    /// Region of each cell, in the order of the picture; empty for a single material.
+    regions: Vec<u16>,
     /// Faces of the joints of a blocky medium, with their states; empty without joints.
     joint_faces: Vec<JointFace>,
     /// Plotted quantity of the faces, if the values of cells are not plotted.
@@ -83,10 +90,12 @@ impl<'a> FrameConverter<'a> {
                 let section = solid::PlaneSection::new(solid_run);
                 let picture = solid_run.output.plotted_quantity;
                 let drawn = solid::PlaneSection::new(solid_run);
+                let regions = solid::PlaneSection::new(solid_run);
                 Some(Self {
                     read_values: Box::new(move |bytes| {
                         section.read_snapshot_values(bytes, picture)
                     }),
+                    read_regions: Some(Box::new(move |bytes| regions.read_snapshot_regions(bytes))),
                     build_figure: Box::new(move |time, values| {
                         drawn.create_figure(case, picture, time, values)
                     }),
@@ -99,6 +108,7 @@ impl<'a> FrameConverter<'a> {
             }
             TimeDomainRun::Flow(run) if run.output.snapshot_interval > 0.0 => Some(Self {
                 read_values: Box::new(|bytes| flow::read_snapshot_values(bytes, run)),
+                read_regions: None,
                 build_figure: Box::new(|time, values| flow::create_figure(case, run, time, values)),
                 jointed_blocks: None,
                 face_quantity: None,
@@ -121,6 +131,7 @@ impl<'a> FrameConverter<'a> {
         Ok(AnimationFrame {
             snapshot_time: time,
             values: (self.read_values)(snapshot)?,
+            regions: self.read_regions.as_ref().map_or_else(Vec::new, |read| read(snapshot)),
             joint_faces: Vec::new(),
             face_quantity: self.face_quantity,
         })
@@ -135,23 +146,30 @@ impl<'a> FrameConverter<'a> {
         Ok(())
     }
 
-    /// Draws the frames as a GIF with a common scale.
+    /// Draws `frame_count` frames as a GIF with a common scale, shown for at least 5 s in total.
     ///
     /// # Errors
     /// A frame is an error or cannot be drawn.
     pub fn draw_animation<E: From<Error>>(
         &self,
         scale: FrameScale,
+        frame_count: usize,
         frames: impl Iterator<Item = Result<AnimationFrame, E>>,
     ) -> Result<Vec<u8>, E> {
-        const SECONDS_PER_FRAME: f64 = 0.1;
+        const MIN_SECONDS_PER_FRAME: f64 = 0.1;
+        const MIN_SECONDS: f64 = 5.0;
         const WIDTH_PIXELS: u32 = 800;
-        let animation = GifAnimation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH_PIXELS);
+        let seconds_per_frame =
+            (MIN_SECONDS / frame_count.max(1) as f64).max(MIN_SECONDS_PER_FRAME);
+        let animation = GifAnimation::new(Vec::new(), seconds_per_frame, WIDTH_PIXELS);
         let mut animation = animation.map_err(Error::from)?;
         for frame in frames {
-            let AnimationFrame { snapshot_time: time, values, joint_faces: joints, .. } = frame?;
+            let AnimationFrame {
+                snapshot_time: time, values, joint_faces: joints, regions, ..
+            } = frame?;
             let mut figure = (self.build_figure)(time, values);
             figure.fixed_limit = Some(scale.max_magnitude);
+            figure.material_indices.clone_from(&regions);
             if let Some(blocks) = self.jointed_blocks {
                 figure.line_sets = match self.face_quantity {
                     Some(quantity) => create_face_line_sets(blocks, &joints, quantity),

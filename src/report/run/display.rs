@@ -233,6 +233,8 @@ pub(in crate::report) fn axis_label(name: &str) -> String {
         "pressure" => return "pressure of fluid p, Pa".to_owned(),
         "shear_rate" => ("shear rate", "Q_D"),
         "excess_stress" => ("excess of the conditional stress", "s − σ"),
+        "spring_stress" => ("stress of the spring", "b"),
+        "plastic_strain" => ("plastic strain", "εᵖ"),
         "volumetric_strain" => return "volumetric strain tr ε".to_owned(),
         "pore_closure" => return "closure of pores min(θ₀ + tr ε, 0)".to_owned(),
         "porosity" => return "porosity θ".to_owned(),

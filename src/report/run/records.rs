@@ -21,7 +21,7 @@ pub(super) fn select_evenly_spaced_indices(count: usize) -> impl Iterator<Item =
 /// Creates the figure of the receiver records with one panel per quantity.
 pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPicture {
     /// Maximum number of panels; further quantities are omitted.
-    const MAX_PANELS: usize = 8;
+    const MAX_PANELS: usize = 16;
     let is_polar = case.solid_run.as_ref().is_some_and(|run| run.grid.is_polar());
     let axis_label = |name: &str| match is_polar {
         true => polar_label(&axis_label(name)),
@@ -137,7 +137,10 @@ pub(super) fn create_ledger_picture(
         energy_label: format!("energy, {}", unit.replace("m3", "m³")),
         times: times.values.clone(),
         terms,
-        residual: balance,
+        residual: LedgerTerm {
+            name: format!("{}, {}", balance.name, unit.replace("m3", "m³")),
+            ..balance
+        },
     };
     Some(ReportPicture::new("ledger", move |format| figure.draw(format)))
 }

@@ -7,11 +7,15 @@ use super::polar::{PolarRaster, polar_label, reflect_components};
 use super::records::{create_ledger_picture, create_seismograms, select_evenly_spaced_indices};
 use super::snapshot::read_array;
 use crate::case::Case;
-use crate::case::dynamics::{FaceQuantity, PlottedQuantity, SolidGrid, SolidRun, StateComponent};
+use crate::case::dynamics::{
+    FaceLoad, FaceQuantity, LoadedArea, PlottedQuantity, SolidGrid, SolidRun, StateComponent,
+};
 use crate::report::ReportPicture;
 use crate::report::format::{case_title, format_short};
 use crate::study::simulate::{OutputFields, RunRecords, quantity_unit};
-use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+use figures::{
+    CurvePanel, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LabelledCurve, PanelsFigure,
+};
 use models::common::elementary::Elementary;
 use models::solid::waves::SolidField;
 use std::fmt::Write as _;
@@ -25,7 +29,10 @@ pub(super) fn create_pictures(
 ) -> Vec<ReportPicture> {
     let final_state = |stem, shown| {
         let figure = create_figure(case, solid_run, fields, shown);
-        ReportPicture::new(stem, move |format| figure.draw(format))
+        match create_profile(&figure) {
+            Some(profile) => ReportPicture::new(stem, move |format| profile.draw(format)),
+            None => ReportPicture::new(stem, move |format| figure.draw(format)),
+        }
     };
     let mut pictures = vec![final_state("run", solid_run.output.plotted_quantity)];
     pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
@@ -118,6 +125,7 @@ fn create_figure(
         }
     };
     let mut figure = section.create_figure(case, shown, fields.time, values);
+    figure.is_root_scaled = figure.is_signed && has_weak_waves(&figure.values);
     if fields.region_indices.iter().any(|region| *region != fields.region_indices[0]) {
         let region = |cell: usize| fields.region_indices.get(cell).copied().unwrap_or(0);
         let regions = section.cell_indices().map(region).collect();
@@ -136,6 +144,44 @@ fn create_figure(
         };
     }
     figure
+}
+
+/// Returns whether most of the motion is weak beside a few cells, as body waves are beside a surface wave: more than a
+/// twentieth of the cells exceed a hundredth of the largest magnitude, fewer than one in 200 a quarter of it.
+fn has_weak_waves(values: &[f64]) -> bool {
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let share = |level: f64| {
+        let above = values.iter().filter(|value| value.abs() > level * largest).count();
+        above as f64 / values.len().max(1) as f64
+    };
+    largest.is_finite() && share(0.01) > 0.05 && share(0.25) < 0.005
+}
+
+/// Creates the curve of a field over a grid with a single row or column of cells, which does not depend on the other
+/// coordinate; `None` for other grids and fields with lines.
+fn create_profile(figure: &FieldFigure) -> Option<PanelsFigure> {
+    let axis = match [figure.columns, figure.rows] {
+        [1, count] if count > 1 => &figure.y,
+        [count, 1] if count > 1 => &figure.x,
+        _ => return None,
+    };
+    if !figure.line_sets.is_empty() || figure.body.is_some() {
+        return None;
+    }
+    let count = figure.values.len() as f64;
+    let place = |cell: usize| axis.start + (axis.end - axis.start) * (cell as f64 + 0.5) / count;
+    let points = figure.values.iter().enumerate().map(|(cell, value)| [place(cell), *value]);
+    Some(PanelsFigure {
+        title: figure.title.clone(),
+        subtitle: figure.subtitle.clone(),
+        panels: vec![CurvePanel {
+            x_label: axis.label.clone(),
+            y_label: figure.label.clone(),
+            curves: vec![LabelledCurve { label: String::new(), points: points.collect() }],
+            reference_lines: Vec::new(),
+            points: Vec::new(),
+        }],
+    })
 }
 
 /// Returns the value of a cell; 0 if it is absent.
@@ -187,6 +233,37 @@ impl<'a> PlaneSection<'a> {
                 Some(layer) => (j * depth + layer) * columns + i,
             })
         })
+    }
+
+    /// Reads the regions of the cells of the picture from a snapshot; empty if it has no regions.
+    pub(super) fn read_snapshot_regions(&self, bytes: &[u8]) -> Vec<u16> {
+        let cells = self.solid_run.grid.cell_count();
+        let all = files::vti::read_plain_integers(bytes, "region");
+        let Some(all) = all.filter(|all| all.len() >= cells) else { return Vec::new() };
+        let region = |cell: usize| u16::try_from(all[cell]).unwrap_or(u16::MAX);
+        self.to_raster(self.cell_indices().map(region).collect(), u16::MAX)
+    }
+
+    /// Returns the position of the middle of a load on a part of a face; `None` for a load on a whole face.
+    fn load_position(&self, load: &FaceLoad) -> Option<Vec<f64>> {
+        let grid = &self.solid_run.grid;
+        let tangential = load.face.tangential_axes(grid.dimensions());
+        let middles: Vec<f64> = match &load.loaded_area {
+            LoadedArea::WholeFace => return None,
+            LoadedArea::Rectangle(part) => part
+                .lower_corner
+                .iter()
+                .zip(&part.upper_corner)
+                .map(|(low, high)| 0.5 * (low + high))
+                .collect(),
+            LoadedArea::Point { position, .. } => position.clone(),
+        };
+        let [first, last] = grid.axis_bounds(load.face.axis);
+        let mut place = vec![if load.face.is_upper { last } else { first }; grid.dimensions()];
+        for (axis, middle) in tangential.into_iter().zip(middles) {
+            place[axis] = middle;
+        }
+        Some(place)
     }
 
     /// Reads the values of `picture`, the plotted quantity, on the section from a snapshot; an error message if they
@@ -317,6 +394,9 @@ impl<'a> PlaneSection<'a> {
                         mark(&own.position, own.kind.name(), FieldMarkKind::Source)
                     }),
                 )
+                .chain(solid_run.loads.iter().filter_map(|load| {
+                    mark(&self.load_position(load)?, "load", FieldMarkKind::Source)
+                }))
                 .collect(),
             ..figure
         }

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::case::Case;
 use crate::case::plane_wave::ContactMedium;
 use crate::setup::plane_wave::{
-    check_without_viscosity, create_material_medium, create_solver_medium,
+    DashpotStep, check_without_viscosity, create_material_medium, create_solver_medium,
 };
 use dynamics::medium::Medium;
 
@@ -36,7 +36,10 @@ pub(super) fn plan_shocks(
     let solver_medium = case
         .require_plane_wave()
         .and_then(|_| check_without_viscosity(&case.material, contacts))
-        .and_then(|()| create_solver_medium(&case.material, contacts, 2));
+        .and_then(|()| {
+            // There are no dashpots.
+            create_solver_medium(&case.material, contacts, 2, DashpotStep::Longest(1.0))
+        });
     let given = case.check_options.as_ref().and_then(|own| own.grid_sizes.clone());
     let cell_counts = match (given, extent) {
         (Some(given), CheckExtent::Full) => given,

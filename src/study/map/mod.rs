@@ -1,8 +1,10 @@
 //! Map: the verdict over two parameters of a case.
 
+mod boundaries;
 mod point_assessor;
 pub mod summary;
 
+pub use boundaries::MapBoundaries;
 pub use point_assessor::{MapPoint, PointSpeeds, PointStatus};
 pub use summary::MapResult;
 
@@ -102,7 +104,8 @@ pub fn compute_map(
     check_memory(case, map)?;
     let options = options.with_swept_wave(map);
     let points = assess_points(case, map, options, progress)?;
-    Ok(MapResult::new(case, map, options, points))
+    let boundaries = MapBoundaries::locate(case, map, options, &points, progress)?;
+    Ok(MapResult::new(case, map, options, points, boundaries))
 }
 
 /// Checks that memory suffices for the points of a map, twice if they are transposed, and for one table column.

@@ -33,7 +33,8 @@ pub struct MapPoint {
     pub growth_coefficient: f64,
     /// Direction of the wave vector of fastest or unbounded growth, from x₁, degrees, if ill-posed.
     pub direction_deg: f64,
-    /// Elevation of the wave vector of fastest growth above the plane of x₁ and x₂, degrees; solids only.
+    /// Elevation of the wave vector of fastest growth above the plane of x₁ and x₂, degrees; solids and models
+    /// given as equations in space.
     pub elevation_deg: f64,
     /// Supremum of Re ς over all waves of a well-posed state, for flows over those with at least the wave number of the
     /// background gradients, 1/s; only with [`MapOptions::computes_bound`].
@@ -150,6 +151,13 @@ impl MapPoint {
         }
     }
 
+    /// Returns whether two points have the same status, order of growth and type of characteristic speeds.
+    pub fn has_verdict_of(&self, other: &Self) -> bool {
+        let kind = |point: &Self| (point.status, point.speeds.map(|speeds| speeds.hyperbolicity));
+        let order = |point: &Self| Some(point.growth_order).filter(|order| order.is_finite());
+        kind(self) == kind(other) && order(self) == order(other)
+    }
+
     /// Sets verdict and route; for ill-posed states also direction, order and coefficient of the growth.
     fn set_verdict(&mut self, verdict: Verdict, route: Route) {
         self.route = Some(route);
@@ -256,11 +264,16 @@ impl<'a> PointAssessor<'a> {
     }
 
     pub(super) fn assess_point(&mut self, x: usize, y: usize) -> Result<MapPoint, StateError> {
+        self.assess_position([x as f64, y as f64])
+    }
+
+    /// Assesses the state at a position in units of the steps of the axes, which may lie between points.
+    pub(super) fn assess_position(&mut self, [x, y]: [f64; 2]) -> Result<MapPoint, StateError> {
         let sweeps = [(&self.map.x, x), (&self.map.y, y)];
         match self.case.material.kind {
             ModelKind::Flow(kind) => {
-                for (axis, (sweep, index)) in sweeps.into_iter().enumerate() {
-                    let value = sweep.sweep_value(index);
+                for (axis, (sweep, position)) in sweeps.into_iter().enumerate() {
+                    let value = sweep.value_at(position);
                     if !self.swept_flow.set_swept_constant(axis, value) {
                         self.case.set_number(sweep.parameter, value);
                     }
@@ -268,8 +281,8 @@ impl<'a> PointAssessor<'a> {
                 self.assess_flow(kind)
             }
             ModelKind::Solid(_) => {
-                for (sweep, index) in sweeps {
-                    self.case.set_number(sweep.parameter, sweep.sweep_value(index));
+                for (sweep, position) in sweeps {
+                    self.case.set_number(sweep.parameter, sweep.value_at(position));
                 }
                 match self.assess_solid() {
                     Err(StateError::NoResponse(_)) => {
@@ -279,8 +292,8 @@ impl<'a> PointAssessor<'a> {
                 }
             }
             ModelKind::Equations => {
-                for (sweep, index) in sweeps {
-                    self.case.set_number(sweep.parameter, sweep.sweep_value(index));
+                for (sweep, position) in sweeps {
+                    self.case.set_number(sweep.parameter, sweep.value_at(position));
                 }
                 self.assess_equations()
             }

@@ -1,6 +1,6 @@
 //! Result of a map and its summary: counts, intervals, fastest growth.
 
-use super::{MapOptions, MapPoint, PointStatus};
+use super::{MapBoundaries, MapOptions, MapPoint, PointStatus};
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
@@ -40,6 +40,9 @@ pub struct MapResult {
     /// Results at all points of the map, with x varying fastest.
     #[serde(skip)]
     pub points: Vec<MapPoint>,
+    /// Places where the verdict changes between neighbouring points.
+    #[serde(skip)]
+    pub boundaries: MapBoundaries,
     /// Requested options, with growth rates if the map sweeps the wave.
     #[serde(skip)]
     pub options: MapOptions,
@@ -139,6 +142,7 @@ impl MapResult {
         map: &MapAxes,
         options: MapOptions,
         points: Vec<MapPoint>,
+        boundaries: MapBoundaries,
     ) -> Self {
         let count = |is: &dyn Fn(&MapPoint) -> bool| points.iter().filter(|p| is(p)).count();
         let counts = PointStatus::ALL.map(|status| (status, count(&|p| p.status == status)));
@@ -167,6 +171,7 @@ impl MapResult {
                 }),
             }),
             points,
+            boundaries,
             options,
         }
     }

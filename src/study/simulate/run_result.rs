@@ -132,8 +132,10 @@ pub fn quantity_unit(name: &str) -> &'static str {
     match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
         "v" => "m/s",
         "w" => "rad/s",
-        "sigma" | "excess_stress" => "Pa",
-        "volumetric_strain" | "pore_closure" | "porosity" | "viscous_strain" => "1",
+        "sigma" | "excess_stress" | "spring_stress" => "Pa",
+        "volumetric_strain" | "pore_closure" | "porosity" | "viscous_strain" | "plastic_strain" => {
+            "1"
+        }
         "m" => "N/m",
         "u" => "m",
         "phi" | "psi" => "rad",

@@ -1,6 +1,7 @@
 //! Simulation of a solid.
 
 use super::cost::OutputVolume;
+use super::derived_fields::{add_volumetric_strain, porosity};
 use super::observer::{
     OutputConverter, SimulationOutput, create_output_times, create_receiver_table,
     run_with_recorder,
@@ -22,15 +23,12 @@ use crate::setup::solid_run::{
     SolidSetup, cell_centre, compute_time_steps, create_media, create_probe, find_containing_cell,
 };
 use dynamics::SolverReal;
-use dynamics::contact_law::ContactLaw;
 use dynamics::domain::memory_bytes;
 use dynamics::medium::Medium;
-use dynamics::problem::Problem;
 use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
     TimeSteps,
 };
-use models::solid::waves::SolidField;
 
 /// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
@@ -510,6 +508,7 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         let mut quantities: Vec<FieldQuantity> =
             named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect();
         quantities.extend(porosity(simulation.problem(), &quantities));
+        add_volumetric_strain(simulation.problem(), &mut quantities);
         OutputFields {
             time,
             coordinates: (0..grid.dimensions()).map(middles).collect(),
@@ -545,25 +544,4 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         };
         StopReport { cause, detection_time: fault.time, last_valid_time: saved }
     }
-}
-
-/// Computes the porosity θ₀ + tr ε − κ from the volumetric strain and the closure κ of the pores; 0 in media without
-/// pores. `None` if no medium has pores.
-fn porosity<const D: usize>(
-    problem: &Problem<D>,
-    quantities: &[FieldQuantity],
-) -> Option<FieldQuantity> {
-    let values = |field: SolidField| {
-        let name = StateComponent(field).to_string();
-        Some(&quantities.iter().find(|own| own.name == name)?.values)
-    };
-    let strains = values(SolidField::VolumetricStrain)?;
-    let closures = values(SolidField::PoreClosure)?;
-    let porosity = |(cell, medium): (usize, &u16)| match problem.media[usize::from(*medium)].contact
-    {
-        Some(ContactLaw::Porous { law, .. }) => law.porosity + strains[cell] - closures[cell],
-        _ => 0.0,
-    };
-    let values = problem.cell_media.iter().enumerate().map(porosity).collect();
-    Some(FieldQuantity::new("porosity".to_owned(), values))
 }

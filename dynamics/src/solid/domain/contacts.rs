@@ -1,17 +1,19 @@
 //! Laws of contacts after each sweep, in lanes; see [`crate::solid::contact_law`]. Constants are by lane pattern.
 
+use super::component_offsets::ComponentOffsets;
 use super::kernel::contacts::PathContacts;
 use super::layout::RowSegment;
+use super::plastic_cone::{complete_plastic_cone_step, cone_lanes, load_cone, plastic_cone_lanes};
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::contact_faces::{BOUNDARY_HISTORY, ContactConstants};
-use crate::solid::contact_law::{ContactLaw, TensorPlaces};
+use crate::solid::contact_law::{ContactLaw, ParticleRelaxation, TensorPlaces};
 use crate::solid::ghosts::BoundaryFaces;
 use crate::solid::medium::Medium;
 use crate::solid::problem::Problem;
-use models::granular_medium::{GranularContact, MaxwellStep};
-use models::porous::{PoreConeLaw, PoreLaw, PoreState};
+use models::granular_medium::GranularContact;
+use models::porous::{PlasticPoreConeLaw, PoreConeLaw, PoreLaw, PoreState};
 use models::rheology::relaxation::SymmetricTensor;
 use models::solid::waves::{SolidField, VelocityStressPair};
 use std::ops::Range;
@@ -25,17 +27,24 @@ type LaneLaw<O, C> = Option<(O, ByPattern<C>)>;
 /// Laws of contacts by lane pattern.
 #[derive(Clone)]
 pub(super) struct LaneContacts<T: Real> {
+    /// Upper bound, exclusive, of the offsets of all fields.
+    extent: usize,
     /// Offsets of the stresses.
     stress: TensorPlaces,
     /// Law of granular media, whose fields are the excess stresses.
     granular: LaneLaw<TensorPlaces, GranularContact<T::Lanes>>,
     /// Law of porous media with contact by cone, whose fields are the excess stresses.
     cone: LaneLaw<TensorPlaces, PoreConeLaw<T::Lanes>>,
+    /// Law of porous media with contact by cone beside a plastic skeleton, whose fields are excess stresses and plastic
+    /// strains.
+    plastic_cone: LaneLaw<[TensorPlaces; 2], PlasticPoreConeLaw<T::Lanes>>,
     /// Law of porous media, whose fields are volumetric strain and closure.
     porous: LaneLaw<[usize; 2], PoreLaw<T::Lanes>>,
     /// By medium, relaxation of viscous particles over a step, whose fields are the excess stresses; empty if no medium
     /// relaxes.
-    relaxations: Vec<Option<MaxwellStep<T>>>,
+    relaxations: Vec<Option<ParticleRelaxation<T>>>,
+    /// Offsets of the stresses of the springs of particles with a parallel dashpot; `None` without them.
+    spring_stress: Option<TensorPlaces>,
     /// Media of the lanes by pattern.
     patterns: Vec<Vec<u16>>,
     /// Constants of the faces by axis and pattern.
@@ -80,6 +89,15 @@ impl<T: Real> LaneContacts<T> {
                 _ => None,
             })
             .collect();
+        let plastic_cone: Vec<_> = media
+            .iter()
+            .map(|medium| match medium.contact {
+                Some(ContactLaw::PorousPlasticCone { law, .. }) => Some(law),
+                _ => None,
+            })
+            .collect();
+        let plastic_strain = TensorPlaces::find(fields, SolidField::PlasticStrain);
+        let spring_stress = TensorPlaces::find(fields, SolidField::SpringStress);
         let excess = TensorPlaces::find(fields, SolidField::ExcessStress);
         let place = |field| Some(fields.iter().position(|own| *own == field)? * pitch);
         let history = place(SolidField::VolumetricStrain)
@@ -127,7 +145,9 @@ impl<T: Real> LaneContacts<T> {
             false => Vec::new(),
         };
         Some(Self {
+            extent: (fields.len() - 1) * pitch + 1,
             relaxations,
+            spring_stress: spring_stress.map(|places| places.scaled(pitch)),
             patterns: patterns.to_vec(),
             faces: (0..D).map(face_constants).collect(),
             row_faces: ContactConstants::by_layer(problem, layers.iter().copied()),
@@ -141,18 +161,19 @@ impl<T: Real> LaneContacts<T> {
                 };
                 (places.scaled(pitch), by_pattern(patterns, &granular, constants))
             }),
+            plastic_cone: excess.clone().zip(plastic_strain).map(|(excess, strain)| {
+                let constants = |pattern: &Vec<u16>, first: PlasticPoreConeLaw<f64>| {
+                    let law =
+                        |lane: usize| plastic_cone[usize::from(pattern[lane])].unwrap_or(first);
+                    plastic_cone_lanes::<T>(law)
+                };
+                let places = [excess, strain].map(|own| own.scaled(pitch));
+                (places, by_pattern(patterns, &plastic_cone, constants))
+            }),
             cone: excess.map(|places| {
                 let constants = |pattern: &Vec<u16>, first: PoreConeLaw<f64>| {
                     let law = |lane: usize| cone[usize::from(pattern[lane])].unwrap_or(first);
-                    let lanes = |of: fn(&PoreConeLaw<f64>) -> f64| {
-                        T::Lanes::from_lanes(|lane| T::from_f64(of(&law(lane))))
-                    };
-                    PoreConeLaw {
-                        contact: granular_lanes::<T>(|lane| law(lane).contact),
-                        bulk_share: lanes(|own| own.bulk_share),
-                        shear_share: lanes(|own| own.shear_share),
-                        offset: lanes(|own| own.offset),
-                    }
+                    cone_lanes::<T>(law)
                 };
                 (places.scaled(pitch), by_pattern(patterns, &cone, constants))
             }),
@@ -176,7 +197,7 @@ impl<T: Real> LaneContacts<T> {
 }
 
 /// Returns the constants of granular media by lane.
-fn granular_lanes<T: Real>(
+pub(super) fn granular_lanes<T: Real>(
     law: impl Fn(usize) -> GranularContact<f64>,
 ) -> GranularContact<T::Lanes> {
     let lanes = |of: fn(&GranularContact<f64>) -> f64| {
@@ -308,20 +329,26 @@ impl<T: Real> LaneContacts<T> {
         &self,
         group: &mut [T::Lanes],
         lane: usize,
-        law: &MaxwellStep<T>,
+        law: &ParticleRelaxation<T>,
     ) -> f64 {
         let Some((excess_places, _)) = &self.granular else { return 0.0 };
         let read = |places: &TensorPlaces| {
             places.read::<T, SHEAR_COUNT>(|place| group[place].lanes()[lane])
         };
-        let relaxed = law.relax(read(&self.stress), read(excess_places));
-        for (places, tensor) in [(&self.stress, relaxed.stress), (excess_places, relaxed.excess)] {
+        let spring = self.spring_stress.as_ref();
+        let before = [read(&self.stress), read(excess_places)];
+        let spring_before = spring.map_or(SymmetricTensor::ZERO, read);
+        let ([stress, excess, spring_after], loss) =
+            law.apply([before[0], before[1], spring_before]);
+        let of_spring = spring.map(|places| (places, spring_after));
+        let pairs = [(&self.stress, stress), (excess_places, excess)];
+        for (places, tensor) in pairs.into_iter().chain(of_spring) {
             let normal = places.normal.iter().zip(tensor.normal);
             for (&place, value) in normal.chain(places.shear.iter().zip(tensor.shear)) {
                 group[place].lanes_mut()[lane] = value;
             }
         }
-        relaxed.energy_loss.to_f64()
+        loss.to_f64()
     }
 }
 
@@ -342,60 +369,84 @@ impl<T: Real> SimdKernel<T> for ContactKernel<'_, T> {
     fn run<V: Vector<T>>(self) {
         let Self { field_data, lane_pattern_indices, contacts, field_factor, plastic_dissipation } =
             self;
-        let LaneContacts { stress, granular, cone, porous, .. } = contacts;
+        let LaneContacts { extent, stress, granular, cone, plastic_cone, porous, .. } = contacts;
+        let extent = *extent;
         let factor = <V as Vector<T>>::splat(field_factor);
         if let Some((places, by_pattern)) = porous {
-            for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
-                let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
-                let group = &mut field_data[index..];
-                complete_pore_step::<T, V>(group, *lanes, (law, factor), stress, places);
+            let mut start = 0;
+            while let Some((groups, lanes, law)) = next_run(start, lane_pattern_indices, by_pattern)
+            {
+                start = groups.end;
+                let law = PoreLaw {
+                    skeleton_modulus: V::load(&law.skeleton_modulus),
+                    contact_modulus: V::load(&law.contact_modulus),
+                    closed_compliance: V::load(&law.closed_compliance),
+                    porosity: factor * V::load(&law.porosity),
+                };
+                for index in groups {
+                    let group = &mut field_data[index..];
+                    complete_pore_step::<T, V>(group, lanes, &law, stress, places);
+                }
             }
         }
         if let Some((places, by_pattern)) = cone {
-            for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
-                let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
-                let group = &mut field_data[index..];
+            let mut start = 0;
+            while let Some((groups, lanes, law)) = next_run(start, lane_pattern_indices, by_pattern)
+            {
+                start = groups.end;
+                let mut law = load_cone::<T, V>(law);
+                law.offset = factor * law.offset;
+                let data = &mut field_data[groups.start..];
+                let tensors = ([stress, places], extent);
                 match stress.shear.len() {
-                    1 => {
-                        complete_cone_step::<T, V, 1>(
-                            group,
-                            *lanes,
-                            (law, factor),
-                            [stress, places],
-                        );
-                    }
-                    _ => {
-                        complete_cone_step::<T, V, 3>(
-                            group,
-                            *lanes,
-                            (law, factor),
-                            [stress, places],
-                        );
-                    }
+                    1 => complete_cone_steps::<T, V, 1>(data, groups.len(), lanes, &law, tensors),
+                    _ => complete_cone_steps::<T, V, 3>(data, groups.len(), lanes, &law, tensors),
                 }
             }
         }
         if let Some((places, by_pattern)) = granular {
+            let all_lanes = u16::MAX >> (u16::BITS as usize - T::Lanes::COUNT);
+            let mut start = 0;
+            while let Some((groups, lanes, law)) = next_run(start, lane_pattern_indices, by_pattern)
+            {
+                start = groups.end;
+                let mut law: GranularContact<V> = load_granular::<T, V>(law);
+                law.yield_stress = factor * law.yield_stress;
+                law.corner_pressure = factor * law.corner_pressure;
+                let sums = plastic_dissipation
+                    .get_mut(groups.start * T::Lanes::COUNT..groups.end * T::Lanes::COUNT)
+                    .unwrap_or(&mut []);
+                let data = &mut field_data[groups.start..];
+                let own = (groups.len(), lanes);
+                let tensors = ([stress, places], extent);
+                let is_plane = stress.shear.len() == 1;
+                match (is_plane, lanes == all_lanes) {
+                    (true, true) => {
+                        complete_granular_steps::<T, V, 1, true>(data, own, &law, tensors, sums)
+                    }
+                    (true, false) => {
+                        complete_granular_steps::<T, V, 1, false>(data, own, &law, tensors, sums)
+                    }
+                    (false, true) => {
+                        complete_granular_steps::<T, V, 3, true>(data, own, &law, tensors, sums)
+                    }
+                    (false, false) => {
+                        complete_granular_steps::<T, V, 3, false>(data, own, &law, tensors, sums)
+                    }
+                }
+            }
+        }
+        if let Some(([excess, strain], by_pattern)) = plastic_cone {
+            let tensors = ([stress, excess, strain], extent);
             for (index, &pattern) in lane_pattern_indices.iter().enumerate() {
                 let Some((lanes, law)) = &by_pattern[pattern as usize] else { continue };
-                let group = &mut field_data[index..];
+                let (group, law) = (&mut field_data[index..], (law, factor));
                 let dissipated = match stress.shear.len() {
-                    1 => complete_granular_step::<T, V, 1>(
-                        group,
-                        *lanes,
-                        (law, factor),
-                        [stress, places],
-                    ),
-                    _ => complete_granular_step::<T, V, 3>(
-                        group,
-                        *lanes,
-                        (law, factor),
-                        [stress, places],
-                    ),
+                    1 => complete_plastic_cone_step::<T, V, 1>(group, *lanes, law, tensors),
+                    _ => complete_plastic_cone_step::<T, V, 3>(group, *lanes, law, tensors),
                 };
-                let sums =
-                    plastic_dissipation.get_mut(index * T::Lanes::COUNT..).unwrap_or(&mut []);
-                for (sum, own) in sums.iter_mut().zip(dissipated.lanes()) {
+                let sums = plastic_dissipation.get_mut(index * T::Lanes::COUNT..);
+                for (sum, own) in sums.unwrap_or(&mut []).iter_mut().zip(dissipated.lanes()) {
                     *sum += own.to_f64();
                 }
             }
@@ -403,20 +454,35 @@ impl<T: Real> SimdKernel<T> for ContactKernel<'_, T> {
     }
 }
 
+/// Returns the next run of adjacent groups with the same pattern from group `start` on whose lanes have a law, the mask of
+/// these lanes, and the constants of the law.
+#[inline(always)]
+fn next_run<'a, C>(
+    mut start: usize,
+    lane_pattern_indices: &[u32],
+    by_pattern: &'a [Option<(u16, C)>],
+) -> Option<(Range<usize>, u16, &'a C)> {
+    while let Some(&pattern) = lane_pattern_indices.get(start) {
+        let mut end = start + 1;
+        while lane_pattern_indices.get(end) == Some(&pattern) {
+            end += 1;
+        }
+        if let Some((lanes, law)) = &by_pattern[pattern as usize] {
+            return Some((start..end, *lanes, law));
+        }
+        start = end;
+    }
+    None
+}
+
 #[inline(always)]
 fn complete_pore_step<T: Real, V: Vector<T>>(
     group: &mut [T::Lanes],
     lanes: u16,
-    (law, factor): (&PoreLaw<T::Lanes>, V),
+    law: &PoreLaw<V>,
     stress: &TensorPlaces,
     [strain, closure]: &[usize; 2],
 ) {
-    let law = PoreLaw {
-        skeleton_modulus: V::load(&law.skeleton_modulus),
-        contact_modulus: V::load(&law.contact_modulus),
-        closed_compliance: V::load(&law.closed_compliance),
-        porosity: factor * V::load(&law.porosity),
-    };
     let [a, b, c] = stress.normal;
     let normal = [V::load(&group[a]), V::load(&group[b]), V::load(&group[c])];
     let before = PoreState {
@@ -435,7 +501,9 @@ fn complete_pore_step<T: Real, V: Vector<T>>(
 }
 
 #[inline(always)]
-fn load_granular<T: Real, V: Vector<T>>(law: &GranularContact<T::Lanes>) -> GranularContact<V> {
+pub(super) fn load_granular<T: Real, V: Vector<T>>(
+    law: &GranularContact<T::Lanes>,
+) -> GranularContact<V> {
     GranularContact {
         bulk_modulus: V::load(&law.bulk_modulus),
         energy_modulus: V::load(&law.energy_modulus),
@@ -452,74 +520,63 @@ fn load_granular<T: Real, V: Vector<T>>(law: &GranularContact<T::Lanes>) -> Gran
 }
 
 #[inline(always)]
-fn complete_cone_step<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
-    group: &mut [T::Lanes],
+fn complete_cone_steps<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
+    field_data: &mut [T::Lanes],
+    groups: usize,
     lanes: u16,
-    (law, factor): (&PoreConeLaw<T::Lanes>, V),
-    [stress_places, excess_places]: [&TensorPlaces; 2],
+    law: &PoreConeLaw<V>,
+    ([stress_places, excess_places], extent): ([&TensorPlaces; 2], usize),
 ) {
-    let law = PoreConeLaw {
-        contact: load_granular::<T, V>(&law.contact),
-        bulk_share: V::load(&law.bulk_share),
-        shear_share: V::load(&law.shear_share),
-        offset: factor * V::load(&law.offset),
-    };
-    let stress: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, stress_places);
-    let excess: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, excess_places);
-    let step = law.complete_step(stress, excess);
-    store_tensor::<T, V, _>(group, lanes, stress_places, &stress, &step.stress);
-    store_tensor::<T, V, _>(group, lanes, excess_places, &excess, &step.excess);
-}
-
-/// Completes the step of a group and returns the plastic dissipation, J/m³.
-#[inline(always)]
-fn complete_granular_step<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
-    group: &mut [T::Lanes],
-    lanes: u16,
-    (law, factor): (&GranularContact<T::Lanes>, V),
-    [stress_places, excess_places]: [&TensorPlaces; 2],
-) -> T::Lanes {
-    let mut law: GranularContact<V> = load_granular::<T, V>(law);
-    law.yield_stress = factor * law.yield_stress;
-    law.corner_pressure = factor * law.corner_pressure;
-    let stress: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, stress_places);
-    let excess: SymmetricTensor<V, SHEAR_COUNT> = load_tensor::<T, V, _>(group, excess_places);
-    let step = law.complete_step(stress, excess);
-    store_tensor::<T, V, _>(group, lanes, stress_places, &stress, &step.stress);
-    store_tensor::<T, V, _>(group, lanes, excess_places, &excess, &step.excess);
-    let mut dissipated = T::Lanes::ZERO;
-    V::ZERO.blend_lanes(lanes, step.plastic_dissipation).store(&mut dissipated);
-    dissipated
-}
-
-#[inline(always)]
-fn load_tensor<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
-    group: &[T::Lanes],
-    places: &TensorPlaces,
-) -> SymmetricTensor<V, SHEAR_COUNT> {
-    let mut tensor = SymmetricTensor::ZERO;
-    for i in 0..3 {
-        tensor.normal[i] = V::load(&group[places.normal[i]]);
+    let stress_offsets = ComponentOffsets::<SHEAR_COUNT>::new(stress_places, extent);
+    let excess_offsets = ComponentOffsets::<SHEAR_COUNT>::new(excess_places, extent);
+    for index in 0..groups {
+        let group = &mut field_data[index..];
+        let stress: SymmetricTensor<V, SHEAR_COUNT> = stress_offsets.load(group);
+        let excess: SymmetricTensor<V, SHEAR_COUNT> = excess_offsets.load(group);
+        let step = law.complete_step(stress, excess);
+        stress_offsets.store(group, lanes, &stress, &step.stress);
+        excess_offsets.store(group, lanes, &excess, &step.excess);
     }
-    for i in 0..SHEAR_COUNT {
-        tensor.shear[i] = V::load(&group[places.shear[i]]);
-    }
-    tensor
 }
 
-/// Stores the masked lanes of a tensor that had the values `before`.
+/// Completes the step of adjacent groups, and adds the plastic dissipation, J/m³, to `sums` unless it is empty. `IS_FULL`:
+/// all lanes have the law.
 #[inline(always)]
-fn store_tensor<T: Real, V: Vector<T>, const SHEAR_COUNT: usize>(
-    group: &mut [T::Lanes],
-    lanes: u16,
-    places: &TensorPlaces,
-    before: &SymmetricTensor<V, SHEAR_COUNT>,
-    after: &SymmetricTensor<V, SHEAR_COUNT>,
+fn complete_granular_steps<T: Real, V: Vector<T>, const SHEAR_COUNT: usize, const IS_FULL: bool>(
+    field_data: &mut [T::Lanes],
+    (groups, lanes): (usize, u16),
+    law: &GranularContact<V>,
+    ([stress_places, excess_places], extent): ([&TensorPlaces; 2], usize),
+    sums: &mut [f64],
 ) {
-    for i in 0..3 {
-        before.normal[i].blend_lanes(lanes, after.normal[i]).store(&mut group[places.normal[i]]);
-    }
-    for i in 0..SHEAR_COUNT {
-        before.shear[i].blend_lanes(lanes, after.shear[i]).store(&mut group[places.shear[i]]);
+    let stress_offsets = ComponentOffsets::<SHEAR_COUNT>::new(stress_places, extent);
+    let excess_offsets = ComponentOffsets::<SHEAR_COUNT>::new(excess_places, extent);
+    for index in 0..groups {
+        let group = &mut field_data[index..];
+        let stress: SymmetricTensor<V, SHEAR_COUNT> = stress_offsets.load(group);
+        let excess: SymmetricTensor<V, SHEAR_COUNT> = excess_offsets.load(group);
+        let step = law.complete_step(stress, excess);
+        match IS_FULL {
+            true => {
+                stress_offsets.store_all(group, &step.stress);
+                excess_offsets.store_all(group, &step.excess);
+            }
+            false => {
+                stress_offsets.store(group, lanes, &stress, &step.stress);
+                excess_offsets.store(group, lanes, &excess, &step.excess);
+            }
+        }
+        if !sums.is_empty() {
+            let mut dissipated = T::Lanes::ZERO;
+            let own = match IS_FULL {
+                true => step.plastic_dissipation,
+                false => V::ZERO.blend_lanes(lanes, step.plastic_dissipation),
+            };
+            own.store(&mut dissipated);
+            let sums = &mut sums[index * T::Lanes::COUNT..][..T::Lanes::COUNT];
+            for (sum, own) in sums.iter_mut().zip(dissipated.lanes()) {
+                *sum += own.to_f64();
+            }
+        }
     }
 }

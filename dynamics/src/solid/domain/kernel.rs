@@ -9,7 +9,9 @@
 //! `StencilState` holds the cells that a reconstruction reads (the stencil). Groups that are needed soon are prefetched
 //! into L1; rows and layers that are needed later are prefetched into L2. `sweep` and `schedule` set the distances.
 
+mod contact_medium;
 pub(crate) mod contacts;
+mod field_offsets;
 mod interlayer_law;
 pub(crate) mod interlayers;
 
@@ -21,6 +23,7 @@ use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, InterlayerStencil, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
 use contacts::PathContacts;
+use field_offsets::{FieldOffsets, load_next};
 use interlayers::{InterlayerFaceStates, PathInterlayers};
 use std::ops::Range;
 
@@ -291,6 +294,31 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
+    /// Returns the offsets of the fields of a pair of waves, `passive_count` of which are passive stresses.
+    #[inline(always)]
+    fn field_offsets<const PASSIVE: usize>(
+        &self,
+        index: usize,
+        passive_count: usize,
+    ) -> FieldOffsets<PASSIVE> {
+        let wave = &self.waves[index];
+        let extent = (self.field_count - 1) * self.pitch + 1;
+        let offsets = FieldOffsets {
+            velocity: wave.velocity,
+            stress: wave.stress,
+            passive_stresses: std::array::from_fn(|index| {
+                wave.passive_stresses.get(index).copied().unwrap_or_default()
+            }),
+            passive_count,
+            extent,
+            prefetch_l2_offsets: self.prefetch_l2_offsets(index),
+        };
+        // Checks the offsets once, not in every group.
+        assert!(offsets.velocity < extent && offsets.stress < extent);
+        assert!(offsets.passive_stresses.iter().all(|place| *place < extent));
+        offsets
+    }
+
     /// Sweeps a pair of waves along lines of a `KIND`.
     #[inline(always)]
     fn sweep_pair<V: Vector<T>, const PASSIVE: usize, const KIND: u8>(
@@ -301,20 +329,9 @@ impl<T: Real> SweepLines<'_, T> {
         slopes: Slopes,
     ) {
         let wave = &self.waves[index];
-        let extent = (self.field_count - 1) * self.pitch + 1;
-        let offsets = FieldOffsets {
-            velocity: wave.velocity,
-            stress: wave.stress,
-            passive_stresses: std::array::from_fn(|index| {
-                wave.passive_stresses.get(index).copied().unwrap_or_default()
-            }),
-            passive_count: if KIND == UNIFORM { PASSIVE } else { wave.passive_stresses.len() },
-            extent,
-            prefetch_l2_offsets: self.prefetch_l2_offsets(index),
-        };
-        // Checks the offsets once, not in every group.
-        assert!(offsets.velocity < extent && offsets.stress < extent);
-        assert!(offsets.passive_stresses.iter().all(|place| *place < extent));
+        let passive_count = if KIND == UNIFORM { PASSIVE } else { wave.passive_stresses.len() };
+        let offsets: FieldOffsets<PASSIVE> = self.field_offsets(index, passive_count);
+        let extent = offsets.extent;
         let (path, lane_pattern_indices, steps) =
             (self.path, self.lane_pattern_indices, self.path.len() - 2);
         let mut cell: CellConstants<V> = CellConstants::load(self.table.constants(pattern, wave));
@@ -429,16 +446,9 @@ impl<T: Real> SweepLines<'_, T> {
     ) {
         let &FieldOffsets { velocity, stress, passive_stresses, passive_count, extent, .. } =
             offsets;
-        let prefetch_l2_offsets = &offsets.prefetch_l2_offsets;
-        let group = &self.field_data[next_data..][..extent];
-        prefetch(group, self.prefetch_l1_distance + velocity, true);
-        prefetch(group, self.prefetch_l1_distance + stress, true);
-        let mut place = prefetch_l2_offsets.start;
-        while place < prefetch_l2_offsets.end {
-            prefetch(group, place, false);
-            place += self.pitch;
-        }
-        let next: State<V> = self.load_state(offsets, next_data);
+        let distances = [self.prefetch_l1_distance, self.pitch];
+        let next: State<V> =
+            load_next::<T, V, PASSIVE>(self.field_data, offsets, distances, next_data);
         let [cell_behind, cell] = match media {
             StencilMedia::Uniform(cell, _) | StencilMedia::BesideInterlayers(cell, ..) => [cell; 2],
             StencilMedia::Mixed([_, cell_behind, cell, _], ..) => [cell_behind, cell],
@@ -542,19 +552,6 @@ enum StencilMedia<'a, V, const PASSIVE: usize> {
         (u32, &'a WavePair),
         Option<([V; 3], &'a Option<InterlayerFaceStates<V>>)>,
     ),
-}
-
-/// Offsets of the fields of a pair of waves in a group.
-struct FieldOffsets<const PASSIVE: usize> {
-    velocity: usize,
-    stress: usize,
-    passive_stresses: [usize; PASSIVE],
-    /// Number of passive stresses: `PASSIVE` in lines of one medium, at most that in others.
-    passive_count: usize,
-    /// Upper bound, exclusive, of the offsets of all fields.
-    extent: usize,
-    /// Range of the offsets that are prefetched into L2, prefetch distance included: one group at each pitch.
-    prefetch_l2_offsets: Range<usize>,
 }
 
 /// Stencil of a sweep: states of the current and the previous group of the path, and the data derived from them.

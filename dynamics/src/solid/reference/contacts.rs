@@ -3,17 +3,20 @@
 use super::Reference;
 use super::sweep::{GridLine, LineFields};
 use crate::solid::contact_faces::{BOUNDARY_HISTORY, FaceContacts, FaceStencil};
-use crate::solid::contact_law::{ContactLaw, TensorPlaces};
+use crate::solid::contact_law::{ContactLaw, ParticleRelaxation, TensorPlaces};
 use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::BoundaryFaces;
 use crate::solid::line::advance;
 use crate::solid::medium::Medium;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::{InterfaceState, State};
-use models::granular_medium::MaxwellStep;
 use models::porous::PoreState;
 use models::rheology::relaxation::SymmetricTensor;
 use models::solid::waves::SolidField;
+
+/// Fields of the laws of granular media, and of pores with contact by cone.
+const STRESS_AND_EXCESS: [fn(usize, usize) -> SolidField; 2] =
+    [SolidField::Stress, SolidField::ExcessStress];
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Completes the elastic step of a sweep in all media with contacts.
@@ -46,6 +49,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                         _ => self.complete_cone_step::<3>(cell, &law),
                     }
                 }
+                Some(ContactLaw::PorousPlasticCone { law, .. }) => {
+                    let law = law.map(T::from_f64).with_field_factor(factor);
+                    match D {
+                        2 => self.complete_plastic_cone_step::<1>(cell, &law),
+                        _ => self.complete_plastic_cone_step::<3>(cell, &law),
+                    }
+                }
                 None => {}
             }
         }
@@ -72,11 +82,16 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    fn relax_contact<const SHEAR_COUNT: usize>(&mut self, cell: usize, law: &MaxwellStep<T>) {
-        let [stress, excess] = self.stress_and_excess::<SHEAR_COUNT>(cell);
-        let relaxed = law.relax(stress, excess);
-        self.store_stress_and_excess(cell, [&relaxed.stress, &relaxed.excess]);
-        self.dissipation.viscous_dissipation[cell] += relaxed.energy_loss.to_f64();
+    fn relax_contact<const SHEAR_COUNT: usize>(
+        &mut self,
+        cell: usize,
+        law: &ParticleRelaxation<T>,
+    ) {
+        const FIELDS: [fn(usize, usize) -> SolidField; 3] =
+            [SolidField::Stress, SolidField::ExcessStress, SolidField::SpringStress];
+        let (after, loss) = law.apply(self.tensors::<3, SHEAR_COUNT>(cell, FIELDS));
+        self.store_tensors(cell, FIELDS, after);
+        self.dissipation.viscous_dissipation[cell] += loss.to_f64();
     }
 
     /// Sweeps all wave pairs of a line with contacts.
@@ -135,14 +150,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             let contacts = std::array::from_fn(|i| &constants[media[upper - 2 + i]]);
             let (states, cells): (_, [_; 4]) = stencil(&line_fields[longitudinal]);
             let face = FaceStencil { states, cells: cells.each_ref(), contacts };
-            let (solution, is_open) = face.solve_longitudinal::<false>(&beside(upper), slopes);
+            let (solution, is_open) = face.solve_longitudinal(&beside(upper), slopes);
             let pair_solution = |pair: usize| {
                 if pair == longitudinal {
                     return solution;
                 }
                 let (states, cells): (_, [_; 4]) = stencil(&line_fields[pair]);
                 let face = FaceStencil { states, cells: cells.each_ref(), contacts };
-                face.solve_transverse::<false>(is_open, slopes)
+                face.solve_transverse(is_open, slopes)
             };
             (0..line_fields.len()).map(pair_solution).collect::<Vec<_>>()
         };
@@ -185,29 +200,32 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         values
     }
 
-    /// Returns the places of the stresses, or of the excess stresses.
-    fn tensor_places(&self, create: fn(usize, usize) -> SolidField) -> TensorPlaces {
-        TensorPlaces::find(&self.state_fields, create).expect("fields of the medium")
+    /// Returns the places of a tensor; `None` if no medium has it.
+    fn tensor_places(&self, create: fn(usize, usize) -> SolidField) -> Option<TensorPlaces> {
+        TensorPlaces::find(&self.state_fields, create)
     }
 
-    /// Returns stress and excess stress of a cell.
-    fn stress_and_excess<const SHEAR_COUNT: usize>(
+    /// Returns tensors of a cell; zero if no medium has them.
+    fn tensors<const COUNT: usize, const SHEAR_COUNT: usize>(
         &self,
         cell: usize,
-    ) -> [SymmetricTensor<T, SHEAR_COUNT>; 2] {
-        [SolidField::Stress, SolidField::ExcessStress]
-            .map(|create| self.tensor_places(create).read(|place| self.fields[place][cell]))
+        fields: [fn(usize, usize) -> SolidField; COUNT],
+    ) -> [SymmetricTensor<T, SHEAR_COUNT>; COUNT] {
+        fields.map(|create| match self.tensor_places(create) {
+            Some(places) => places.read(|place| self.fields[place][cell]),
+            None => SymmetricTensor::ZERO,
+        })
     }
 
-    fn store_stress_and_excess<const SHEAR_COUNT: usize>(
+    /// Stores tensors of a cell that a medium has.
+    fn store_tensors<const COUNT: usize, const SHEAR_COUNT: usize>(
         &mut self,
         cell: usize,
-        [stress, excess]: [&SymmetricTensor<T, SHEAR_COUNT>; 2],
+        fields: [fn(usize, usize) -> SolidField; COUNT],
+        tensors: [SymmetricTensor<T, SHEAR_COUNT>; COUNT],
     ) {
-        for (create, tensor) in
-            [(SolidField::Stress as fn(_, _) -> _, stress), (SolidField::ExcessStress, excess)]
-        {
-            let places = self.tensor_places(create);
+        for (create, tensor) in fields.into_iter().zip(tensors) {
+            let Some(places) = self.tensor_places(create) else { continue };
             let normal = places.normal.iter().zip(tensor.normal);
             for (&place, value) in normal.chain(places.shear.iter().zip(tensor.shear)) {
                 self.fields[place][cell] = value;
@@ -220,9 +238,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         cell: usize,
         law: &models::granular_medium::GranularContact<T>,
     ) {
-        let [stress, excess] = self.stress_and_excess::<SHEAR_COUNT>(cell);
+        let [stress, excess] = self.tensors::<2, SHEAR_COUNT>(cell, STRESS_AND_EXCESS);
         let step = law.complete_step(stress, excess);
-        self.store_stress_and_excess(cell, [&step.stress, &step.excess]);
+        self.store_tensors(cell, STRESS_AND_EXCESS, [step.stress, step.excess]);
         if let Some(sum) = self.dissipation.plastic_dissipation.get_mut(cell) {
             *sum += step.plastic_dissipation.to_f64();
         }
@@ -234,14 +252,30 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         cell: usize,
         law: &models::porous::PoreConeLaw<T>,
     ) {
-        let [stress, excess] = self.stress_and_excess::<SHEAR_COUNT>(cell);
+        let [stress, excess] = self.tensors::<2, SHEAR_COUNT>(cell, STRESS_AND_EXCESS);
         let step = law.complete_step(stress, excess);
-        self.store_stress_and_excess(cell, [&step.stress, &step.excess]);
+        self.store_tensors(cell, STRESS_AND_EXCESS, [step.stress, step.excess]);
         self.add_contact_loss(step.energy_loss);
     }
 
+    fn complete_plastic_cone_step<const SHEAR_COUNT: usize>(
+        &mut self,
+        cell: usize,
+        law: &models::porous::PlasticPoreConeLaw<T>,
+    ) {
+        const FIELDS: [fn(usize, usize) -> SolidField; 3] =
+            [SolidField::Stress, SolidField::ExcessStress, SolidField::PlasticStrain];
+        let [stress, excess, strain] = self.tensors::<3, SHEAR_COUNT>(cell, FIELDS);
+        let step = law.complete_step(stress, excess, strain);
+        self.store_tensors(cell, FIELDS, [step.stress, step.excess, step.plastic_strain]);
+        if let Some(sum) = self.dissipation.plastic_dissipation.get_mut(cell) {
+            *sum += step.plastic_dissipation.to_f64();
+        }
+        self.add_contact_loss(step.other_loss);
+    }
+
     fn complete_pore_step(&mut self, cell: usize, law: &models::porous::PoreLaw<T>) {
-        let normal = self.tensor_places(SolidField::Stress).normal;
+        let normal = self.tensor_places(SolidField::Stress).expect("fields of the medium").normal;
         let place = |field| self.field_index(field).expect("a field of the medium");
         let history = [SolidField::VolumetricStrain, SolidField::PoreClosure].map(place);
         let [volumetric_strain, closure] = history.map(|place| self.fields[place][cell]);

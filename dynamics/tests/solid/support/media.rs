@@ -59,7 +59,11 @@ pub fn unknown_name(field: SolidField) -> String {
         SolidField::Stress(i, j) => format!("σ{}{}", i + 1, j + 1),
         SolidField::Couple(k, j) => format!("m{}{}", k + 1, j + 1),
         SolidField::ViscousStrain(i, j) => format!("e{}{}", i + 1, j + 1),
-        SolidField::ExcessStress(..) | SolidField::VolumetricStrain | SolidField::PoreClosure => {
+        SolidField::ExcessStress(..)
+        | SolidField::SpringStress(..)
+        | SolidField::PlasticStrain(..)
+        | SolidField::VolumetricStrain
+        | SolidField::PoreClosure => {
             unreachable!("no unknown of the rate equations")
         }
     }

@@ -4,6 +4,7 @@
 
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
+use super::contact_medium::{ContactMediumSweep, LONGITUDINAL_PASSIVE};
 use super::{CarriedState, SweepLines, prefetch};
 use crate::simd::{InstructionSet, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
@@ -30,6 +31,22 @@ pub(crate) struct PathContacts<'a, T: Real> {
 }
 
 impl<T: Real> PathContacts<'_, T> {
+    /// Returns the factor of the porosities of a group. Ghosts have none: beyond physical boundaries pores count as
+    /// collapsed.
+    #[inline(always)]
+    pub(crate) fn group_factor(&self, group: usize) -> T {
+        self.group_factors.get(group).copied().unwrap_or(T::ONE)
+    }
+
+    /// Returns the porosity of a group.
+    #[inline(always)]
+    pub(super) fn porosity<V: Vector<T>>(&self, group: usize, own: &ContactConstants<V>) -> V {
+        match self.group_factors.is_empty() {
+            true => own.porosity,
+            false => <V as Vector<T>>::splat(self.group_factor(group)) * own.porosity,
+        }
+    }
+
     /// Returns the offsets of the history variables on which faces depend.
     #[inline(always)]
     pub(crate) fn history_offsets(&self) -> impl Iterator<Item = usize> {
@@ -38,15 +55,15 @@ impl<T: Real> PathContacts<'_, T> {
 }
 
 /// Kernel: sweep of adjacent lines with contacts.
-struct ContactSweep<'a, 'b, T: Real, const IS_UNIFORM: bool>(&'a mut SweepLines<'b, T>);
+struct ContactSweep<'a, 'b, T: Real>(&'a mut SweepLines<'b, T>);
 
-impl<T: Real, const IS_UNIFORM: bool> SimdKernel<T> for ContactSweep<'_, '_, T, IS_UNIFORM> {
+impl<T: Real> SimdKernel<T> for ContactSweep<'_, '_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Some(contacts) = self.0.contacts else { return };
         match self.0.waves.len() {
-            2 => self.0.sweep_with_contacts::<V, 2, IS_UNIFORM>(contacts),
-            3 => self.0.sweep_with_contacts::<V, 3, IS_UNIFORM>(contacts),
+            2 => self.0.sweep_with_contacts::<V, 2>(contacts),
+            3 => self.0.sweep_with_contacts::<V, 3>(contacts),
             _ => debug_assert!(false, "media with contacts have no spins"),
         }
     }
@@ -64,54 +81,80 @@ struct PairWindow<V> {
 impl<T: Real> SweepLines<'_, T> {
     /// Sweeps lines with contacts.
     pub(super) fn sweep_path_with_contacts(&mut self, instructions: InstructionSet) {
-        match self.table.has_single_pattern() {
-            // The form for one medium is compiled only where it matters: the baseline has the other one, with the same
-            // results.
-            true => instructions.run_kernel_or(ContactSweep::<T, true>(self), |kernel| {
-                InstructionSet::Baseline.run_kernel(ContactSweep::<T, false>(kernel.0));
-            }),
-            false => instructions.run_kernel(ContactSweep::<T, false>(self)),
+        let Some(contacts) = &self.contacts else { return };
+        let has_classical_pairs = self.waves.iter().enumerate().all(|(pair, wave)| {
+            let is_longitudinal = pair == contacts.longitudinal;
+            wave.passive_stresses.len() == if is_longitudinal { LONGITUDINAL_PASSIVE } else { 0 }
+        });
+        let is_granular = match (contacts.excess, contacts.volumetric_strain) {
+            _ if !self.table.has_single_pattern() || self.slopes != Slopes::Limited => None,
+            _ if !has_classical_pairs => None,
+            (Some(_), None) => Some(true),
+            (None, Some(_)) => Some(false),
+            _ => None,
+        };
+        // The forms for one medium are compiled only where they matter: the baseline has the other one, with the same
+        // results.
+        match is_granular {
+            Some(true) => {
+                instructions.run_kernel_or(ContactMediumSweep::<T, true>(self), |kernel| {
+                    InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
+                });
+            }
+            Some(false) => {
+                instructions.run_kernel_or(ContactMediumSweep::<T, false>(self), |kernel| {
+                    InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
+                });
+            }
+            None => instructions.run_kernel(ContactSweep(self)),
         }
     }
 
+    /// Fills the ghosts of rows.
     #[inline(always)]
-    fn sweep_with_contacts<V: Vector<T>, const P: usize, const IS_UNIFORM: bool>(
+    pub(super) fn fill_contact_ghosts<V: Vector<T>>(
         &mut self,
-        contacts: PathContacts<'_, T>,
+        contacts: &PathContacts<'_, T>,
+        lines: usize,
     ) {
-        let lines = self.carried.len() / P;
-        if let Some(rows) = &self.rows {
-            for (index, wave) in self.waves.iter().enumerate() {
-                rows.fill_ghosts::<V>(self.field_data, wave, index, 0..lines);
-            }
-            for place in contacts.history_offsets() {
-                rows.fill_history_ghosts::<V>(
-                    self.field_data,
-                    place,
-                    contacts.boundary_values,
-                    0..lines,
-                );
+        let Some(rows) = &self.rows else { return };
+        for (index, wave) in self.waves.iter().enumerate() {
+            rows.fill_ghosts::<V>(self.field_data, wave, index, 0..lines);
+        }
+        for place in contacts.history_offsets() {
+            let values = contacts.boundary_values;
+            rows.fill_history_ghosts::<V>(self.field_data, place, values, 0..lines);
+        }
+    }
+
+    /// Sets the padding lanes of a row to zero after its sweep.
+    #[inline(always)]
+    pub(super) fn clear_contact_padding(&mut self, contacts: &PathContacts<'_, T>, line: usize) {
+        let Some(rows) = &self.rows else { return };
+        for wave in self.waves {
+            rows.clear_padding(self.field_data, wave.velocity, line);
+            rows.clear_padding(self.field_data, wave.stress, line);
+            for place in &wave.passive_stresses {
+                rows.clear_padding(self.field_data, *place, line);
             }
         }
-        for line in 0..lines {
-            self.sweep_line_with_contacts::<V, P, IS_UNIFORM>(&contacts, line);
-            if let Some(rows) = &self.rows {
-                for wave in self.waves {
-                    rows.clear_padding(self.field_data, wave.velocity, line);
-                    rows.clear_padding(self.field_data, wave.stress, line);
-                    for place in &wave.passive_stresses {
-                        rows.clear_padding(self.field_data, *place, line);
-                    }
-                }
-                for place in contacts.history_offsets() {
-                    rows.clear_padding(self.field_data, place, line);
-                }
-            }
+        for place in contacts.history_offsets() {
+            rows.clear_padding(self.field_data, place, line);
         }
     }
 
     #[inline(always)]
-    fn sweep_line_with_contacts<V: Vector<T>, const P: usize, const IS_UNIFORM: bool>(
+    fn sweep_with_contacts<V: Vector<T>, const P: usize>(&mut self, contacts: PathContacts<'_, T>) {
+        let lines = self.carried.len() / P;
+        self.fill_contact_ghosts::<V>(&contacts, lines);
+        for line in 0..lines {
+            self.sweep_line_with_contacts::<V, P>(&contacts, line);
+            self.clear_contact_padding(&contacts, line);
+        }
+    }
+
+    #[inline(always)]
+    fn sweep_line_with_contacts<V: Vector<T>, const P: usize>(
         &mut self,
         contacts: &PathContacts<'_, T>,
         line: usize,
@@ -170,8 +213,7 @@ impl<T: Real> SweepLines<'_, T> {
             }
             let upper = path[place + 1].shift_to_line(line, self.line_stride);
             self.load_history::<V>(contacts, upper, &mut beside);
-            let solutions =
-                self.solve_faces::<V, P, IS_UNIFORM>(contacts, &windows, patterns, &beside, slopes);
+            let solutions = self.solve_faces::<V, P>(contacts, &windows, patterns, &beside, slopes);
             let start = path[place].start + offset.start;
             for pair in 0..P {
                 let wave = &self.waves[pair];
@@ -202,7 +244,7 @@ impl<T: Real> SweepLines<'_, T> {
 
     /// Solves the Riemann problems of all pairs at a face.
     #[inline(always)]
-    fn solve_faces<V: Vector<T>, const P: usize, const IS_UNIFORM: bool>(
+    fn solve_faces<V: Vector<T>, const P: usize>(
         &self,
         contacts: &PathContacts<'_, T>,
         windows: &[PairWindow<V>; P],
@@ -213,49 +255,45 @@ impl<T: Real> SweepLines<'_, T> {
         let first: ContactConstants<V> =
             ContactConstants::load(&contacts.constants[patterns[0] as usize]);
         let mut constants = [first; 4];
-        if !IS_UNIFORM {
-            for depth in 1..4 {
-                constants[depth] =
-                    ContactConstants::load(&contacts.constants[patterns[depth] as usize]);
-            }
+        for depth in 1..4 {
+            constants[depth] =
+                ContactConstants::load(&contacts.constants[patterns[depth] as usize]);
         }
         let contact_constants = [&constants[0], &constants[1], &constants[2], &constants[3]];
         let unsolved = InterfaceState { difference: V::ZERO, sum: V::ZERO };
         let mut solutions = [[unsolved; 2]; P];
-        let cells = self.load_cells::<V, IS_UNIFORM>(patterns, &self.waves[contacts.longitudinal]);
+        let cells = self.load_cells::<V>(patterns, &self.waves[contacts.longitudinal]);
         let stencil = FaceStencil {
             states: windows[contacts.longitudinal].states,
             cells: [&cells[0], &cells[1], &cells[2], &cells[3]],
             contacts: contact_constants,
         };
-        let (longitudinal, is_open) = stencil.solve_longitudinal::<IS_UNIFORM>(beside, slopes);
+        let (longitudinal, is_open) = stencil.solve_longitudinal(beside, slopes);
         solutions[contacts.longitudinal] = longitudinal;
         for pair in 0..P {
             if pair != contacts.longitudinal {
-                let cells = self.load_cells::<V, IS_UNIFORM>(patterns, &self.waves[pair]);
+                let cells = self.load_cells::<V>(patterns, &self.waves[pair]);
                 let stencil = FaceStencil {
                     states: windows[pair].states,
                     cells: [&cells[0], &cells[1], &cells[2], &cells[3]],
                     contacts: contact_constants,
                 };
-                solutions[pair] = stencil.solve_transverse::<IS_UNIFORM>(is_open, slopes);
+                solutions[pair] = stencil.solve_transverse(is_open, slopes);
             }
         }
         solutions
     }
 
     #[inline(always)]
-    fn load_cells<V: Vector<T>, const IS_UNIFORM: bool>(
+    fn load_cells<V: Vector<T>>(
         &self,
         patterns: [u32; 4],
         wave: &WavePair,
     ) -> [CellConstants<V>; 4] {
         let first: CellConstants<V> = CellConstants::load(self.table.constants(patterns[0], wave));
         let mut cells = [first; 4];
-        if !IS_UNIFORM {
-            for depth in 1..4 {
-                cells[depth] = CellConstants::load(self.table.constants(patterns[depth], wave));
-            }
+        for depth in 1..4 {
+            cells[depth] = CellConstants::load(self.table.constants(patterns[depth], wave));
         }
         cells
     }
@@ -270,9 +308,8 @@ impl<T: Real> SweepLines<'_, T> {
         beside: &mut FaceContacts<V>,
     ) {
         if !contacts.group_factors.is_empty() {
-            // Ghosts have none: beyond physical boundaries pores count as collapsed.
-            let factor = contacts.group_factors.get(upper.group).copied().unwrap_or(T::ONE);
-            beside.porosity_factors = [beside.porosity_factors[1], <V as Vector<T>>::splat(factor)];
+            let factor = <V as Vector<T>>::splat(contacts.group_factor(upper.group));
+            beside.porosity_factors = [beside.porosity_factors[1], factor];
         }
         let group = &self.field_data[upper.start..];
         if let Some(place) = contacts.volumetric_strain {

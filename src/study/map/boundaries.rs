@@ -1,0 +1,113 @@
+//! Boundaries between the verdicts of neighbouring points of a map.
+
+use super::point_assessor::PointAssessor;
+use super::{MapOptions, MapPoint, POINTS_PER_PROGRESS_REPORT, PointStatus};
+use crate::Error;
+use crate::case::{Case, MapAxes};
+use crate::study::{ProgressCallback, report_progress};
+use analysis::solids::AcousticTensorCache;
+use rayon::prelude::*;
+
+/// Number of bisections of a step: a boundary is known to 1/16 of the step.
+const BISECTION_COUNT: usize = 4;
+/// Distance of boundaries from a point on both sides, as a fraction of the step, up to which the points with the verdict
+/// in between are regarded as a set without area.
+const LINE_TOLERANCE: f64 = 0.125;
+
+/// Places where the verdict changes between neighbouring points of a map.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapBoundaries {
+    /// For each point the place of the change between it and the next point along x, and along y, as a fraction of the
+    /// step; NaN without change. Points are in the order of the map, with x varying fastest.
+    pub step_fractions: [Vec<f64>; 2],
+    /// Whether each point belongs to a set of equal verdicts without area, such as the states on a curve: the verdict
+    /// changes at the point itself on both sides along x or along y.
+    pub is_on_line: Vec<bool>,
+}
+
+impl MapBoundaries {
+    /// Locates the boundaries by bisection, on the rayon thread pool in which it is called.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(super) fn locate(
+        case: &Case,
+        map: &MapAxes,
+        options: MapOptions,
+        points: &[MapPoint],
+        progress: ProgressCallback,
+    ) -> Result<Self, Error> {
+        let counts = [map.x.point_count, map.y.point_count];
+        let steps = [1, counts[0]];
+        let position = |point: usize| [point % counts[0], point / counts[0]];
+        let has_next = |point: usize, axis: usize| position(point)[axis] + 1 < counts[axis];
+        let changes: Vec<(usize, usize)> = (0..2)
+            .flat_map(|axis| (0..points.len()).map(move |point| (point, axis)))
+            .filter(|&(point, axis)| {
+                has_next(point, axis) && !points[point].has_verdict_of(&points[point + steps[axis]])
+            })
+            .collect();
+        let cache = AcousticTensorCache::default();
+        let located: Vec<Vec<f64>> = changes
+            .par_chunks(POINTS_PER_PROGRESS_REPORT)
+            .map_init(
+                || PointAssessor::new(case, map, options, &cache),
+                |assessor, chunk| {
+                    report_progress(progress, points.len(), points.len())?;
+                    let places = chunk.iter().map(|&(point, axis)| {
+                        bisect(assessor, position(point), axis, &points[point])
+                    });
+                    Ok(places.collect())
+                },
+            )
+            .collect::<Result<_, Error>>()?;
+        let mut step_fractions = [0, 1].map(|_| vec![f64::NAN; points.len()]);
+        for ((point, axis), fraction) in changes.into_iter().zip(located.into_iter().flatten()) {
+            step_fractions[axis][point] = fraction;
+        }
+        let is_thin = |point: usize, axis: usize| {
+            let after = has_next(point, axis).then(|| step_fractions[axis][point]);
+            let before = (position(point)[axis] > 0)
+                .then(|| 1.0 - step_fractions[axis][point - steps[axis]]);
+            let mut sides = before.into_iter().chain(after).peekable();
+            sides.peek().is_some() && sides.all(|distance| distance <= LINE_TOLERANCE)
+        };
+        let is_on_line =
+            (0..points.len()).map(|point| is_thin(point, 0) || is_thin(point, 1)).collect();
+        Ok(Self { step_fractions, is_on_line })
+    }
+
+    /// Returns whether points with a status exist and all of them belong to sets without area.
+    pub fn is_status_on_lines(&self, points: &[MapPoint], status: PointStatus) -> bool {
+        let mut own = points
+            .iter()
+            .zip(&self.is_on_line)
+            .filter(|(point, _)| point.status == status)
+            .peekable();
+        own.peek().is_some() && own.all(|(_, is_on_line)| *is_on_line)
+    }
+}
+
+/// Finds where the verdict of a point ends on the step to the next point along an axis, as a fraction of the step.
+fn bisect(
+    assessor: &mut PointAssessor,
+    position: [usize; 2],
+    axis: usize,
+    point: &MapPoint,
+) -> f64 {
+    let (mut inside, mut outside) = (0.0, 1.0);
+    for _ in 0..BISECTION_COUNT {
+        let middle = 0.5 * (inside + outside);
+        let mut place = position.map(|index| index as f64);
+        place[axis] += middle;
+        let found = assessor
+            .assess_position(place)
+            .unwrap_or(MapPoint::with_status(PointStatus::OutsideModel));
+        if found.has_verdict_of(point) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    0.5 * (inside + outside)
+}
