@@ -128,3 +128,32 @@ fn map_in_space_has_the_known_verdicts() {
         assert!(point.direction_deg.is_finite() && point.elevation_deg.is_finite(), "{point:?}");
     }
 }
+
+/// Nonlinear conduction of heat, ∂ₜT = ∂₁(k₀(T/T₀)²∂₁T), in one dimension: growth −k₀(T/T₀)²k² for k₀ < 0. All waves have
+/// one direction, which the report does not state.
+#[test]
+fn maps_in_one_dimension_name_no_direction() {
+    let text = r#"
+title = "nonlinear heat"
+[model]
+kind = "equations"
+dimensions = 1
+unknowns = { T = "K" }
+[model.parameters]
+k0 = { value = 2, unit = "m^2/s" }
+T0 = { value = 300, unit = "K" }
+[model.equations]
+heat = "dt(T) = d1(k0*(T/T0)^2*d1(T))"
+[background]
+T = { value = 600 }
+[map]
+x = { parameter = "model.parameters.k0", from = -1, to = 1, points = 3 }
+y = { parameter = "background.T", from = 300, to = 600, points = 3 }
+"#;
+    let case = Case::parse(text, "heat.toml", &[]).expect("a case");
+    let found = compute_map(&case, MapOptions::default(), &ignore_progress).expect("a map");
+    let fastest = found.points.iter().map(|own| own.growth_coefficient).fold(0.0, f64::max);
+    assert!((fastest - 4.0).abs() < 1e-12, "{fastest}");
+    let report = found.to_text(&case);
+    assert!(report.contains("Re ς ≈ 4 k²") && !report.contains("NaN"), "{report}");
+}

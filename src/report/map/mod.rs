@@ -142,16 +142,18 @@ impl MapResult {
 
     fn format_fastest_growth_line(&self, worst: &FastestGrowthPoint) -> String {
         let (x, y) = (&self.x, &self.y);
+        // Models in one dimension have waves in one direction only.
+        let mut direction = match worst.direction_deg.is_nan() {
+            true => String::new(),
+            false => format!(", for waves at {}°", format_short(worst.direction_deg)),
+        };
+        if let Some(up) = worst.elevation_deg.filter(|up| !up.is_nan() && *up != 0.0) {
+            direction += &format!(", {}° above the plane", format_short(up));
+        }
         format!(
-            "Largest growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
+            "Largest growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞{direction}, at {} = {}{}, {} = {}{}.",
             format_short(worst.growth_coefficient),
             format_superscript(worst.growth_order),
-            format_short(worst.direction_deg),
-            match worst.elevation_deg {
-                Some(up) if !up.is_nan() && up != 0.0 =>
-                    format!(", {}° above the plane", format_short(up)),
-                _ => String::new(),
-            },
             x.label,
             format_short(worst.x),
             format_unit_suffix(x.unit),
