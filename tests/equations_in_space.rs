@@ -1,5 +1,5 @@
-//! `point` and `map` of models given as equations in space: matrices in the report and in the archive, verdicts and
-//! directions.
+//! `point` and `map` of models given as equations in space and in one dimension: matrices in the report and in the archive,
+//! verdicts, directions, and boundaries of maps.
 
 use crate::support::bundled_case;
 use files::npz::{self, ArrayValues};
@@ -129,11 +129,8 @@ fn map_in_space_has_the_known_verdicts() {
     }
 }
 
-/// Nonlinear conduction of heat, ∂ₜT = ∂₁(k₀(T/T₀)²∂₁T), in one dimension: growth −k₀(T/T₀)²k² for k₀ < 0. All waves have
-/// one direction, which the report does not state.
-#[test]
-fn maps_in_one_dimension_name_no_direction() {
-    let text = r#"
+/// Nonlinear conduction of heat, ∂ₜT = ∂₁(k₀(T/T₀)²∂₁T), in one dimension: growth −k₀(T/T₀)²k² for k₀ < 0.
+const HEAT: &str = r#"
 title = "nonlinear heat"
 [model]
 kind = "equations"
@@ -150,7 +147,31 @@ T = { value = 600 }
 x = { parameter = "model.parameters.k0", from = -1, to = 1, points = 3 }
 y = { parameter = "background.T", from = 300, to = 600, points = 3 }
 "#;
-    let case = Case::parse(text, "heat.toml", &[]).expect("a case");
+
+/// The verdict changes at k₀ = 0, which is 3/7 of the step from −0.3 to 0.4; four bisections leave 1/32 of the step.
+#[test]
+fn boundaries_of_maps_are_located_by_bisection() {
+    let text = HEAT.replace("from = -1, to = 1", "from = -1, to = 0.4");
+    let case = Case::parse(&text, "heat.toml", &[]).expect("a case");
+    let bound = MapOptions { computes_bound: true, ..MapOptions::default() };
+    for options in [MapOptions::default(), bound] {
+        let found = compute_map(&case, options, &ignore_progress).expect("a map");
+        let [along_x, along_y] = &found.boundaries.step_fractions;
+        for (index, fraction) in along_x.iter().enumerate() {
+            match index % 3 {
+                1 => assert!((fraction - 3.0 / 7.0).abs() <= 1.0 / 32.0, "{along_x:?}"),
+                _ => assert!(fraction.is_nan(), "{along_x:?}"),
+            }
+        }
+        assert!(along_y.iter().all(|fraction| fraction.is_nan()), "{along_y:?}");
+        assert!(!found.boundaries.is_on_line.contains(&true));
+    }
+}
+
+/// All waves have one direction, which the report does not state.
+#[test]
+fn maps_in_one_dimension_name_no_direction() {
+    let case = Case::parse(HEAT, "heat.toml", &[]).expect("a case");
     let found = compute_map(&case, MapOptions::default(), &ignore_progress).expect("a map");
     let fastest = found.points.iter().map(|own| own.growth_coefficient).fold(0.0, f64::max);
     assert!((fastest - 4.0).abs() < 1e-12, "{fastest}");

@@ -167,6 +167,7 @@ fn confirm(unknowns: usize, planes: usize, directions: usize, is_fine: bool) {
                 return None;
             }
             let start = std::time::Instant::now();
+            // A coarse search may miss the growth in a narrow layer; it never finds growth that the finer one misses.
             let compared = compare(&state, planes, directions, is_fine)
                 .or_else(|_| compare(&state, planes, directions, true));
             println!("{name} {sets:?}: {:?} in {:.1?}", state.verdict(), start.elapsed());

@@ -15,9 +15,9 @@
 //! b′ = b + C:C*⁻¹:(σ − b),    σ′ = π_K(b′ + x),    x′ = b′ + x − σ′
 //! ```
 //!
-//! with the excess x = C*:εᶜ. Where the contact slides, σ′ − b′ strains the dashpot at once and not uniformly; the release is
-//! made twice per step, so that this strain is not half of what it must be: an open particle creeps by
-//! (1 + EΔt/(2η))⁻² per step, which is exp(−EΔt/η) to first order.
+//! with the excess x = C*:εᶜ. Where the projection changes the stress, the dashpot is strained at the release itself, not
+//! uniformly over the step, and one release gives half of the strain. Hence two releases per step: the stress of the spring
+//! of an open particle decays by (1 + EΔt/(2η))⁻² per step, which is exp(−EΔt/η) to first order.
 //!
 //! The energy between two releases,
 //!

@@ -48,6 +48,12 @@ impl MapBoundaries {
             })
             .collect();
         let cache = AcousticTensorCache::default();
+        // The verdicts alone, by the route of the points.
+        let options = MapOptions {
+            is_model_blind: !options.admits_closed_forms(),
+            computes_bound: false,
+            computes_growth_rate: false,
+        };
         let located: Vec<Vec<f64>> = changes
             .par_chunks(POINTS_PER_PROGRESS_REPORT)
             .map_init(
