@@ -2,13 +2,16 @@
 
 #[cfg(unix)]
 mod allocator;
+mod help;
+mod picture_arguments;
 mod usage;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use models::interface::continuum::OpeningLimit;
 use models::registry;
+use picture_arguments::PictureArguments;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -24,27 +27,9 @@ use wellposed::study::MapOptions;
 #[global_allocator]
 static ALLOCATOR: allocator::ReportingAllocator = allocator::ReportingAllocator;
 
-/// Examples and exit codes, below the list of commands.
-const AFTER_HELP: &str = "\
-Examples:
-  wellposed map noncoaxiality-bound            map of a bundled case: out/noncoaxiality-bound/map.png
-  wellposed cases                              list of the bundled cases
-  wellposed new harris-grekova                 a commented case to start from: harris-grekova.toml
-  wellposed point harris-grekova.toml --set background.pressure=500
-  wellposed run lamb-2d --dry-run              size, time, memory and files of a run
-
-Exit codes:
-  0    done
-  1    done, but a check disagrees or a file is damaged
-  2    cannot be carried out: arguments, case, files, memory
-  3    a run stopped because of its state; the last valid state is saved
-  130  interrupted; a run has written a checkpoint (wellposed resume DIR)
-
-wellposed COMMAND --help lists the arguments of a command.";
-
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
-#[command(name = "wellposed", bin_name = "wellposed", version = VERSION, after_help = AFTER_HELP)]
+#[command(name = "wellposed", bin_name = "wellposed", version = VERSION)]
 struct CommandLine {
     #[command(subcommand)]
     verb: Verb,
@@ -159,6 +144,8 @@ enum Verb {
         /// Check the folders and print the plan; write nothing
         #[arg(long = "dry-run")]
         is_dry_run: bool,
+        #[command(flatten)]
+        pictures: PictureArguments,
     },
     /// Resume an interrupted or killed run; results are bit-identical to those of an uninterrupted run
     Resume {
@@ -174,11 +161,15 @@ enum Verb {
         /// Output format
         #[arg(long, value_enum, default_value = "text")]
         format: FormatArgument,
+        #[command(flatten)]
+        pictures: PictureArguments,
     },
-    /// Redraw the pictures of a finished run
+    /// Redraw the pictures of a results folder
     Plot {
         /// Results folder
         folder: PathBuf,
+        #[command(flatten)]
+        pictures: PictureArguments,
     },
     /// Compare the files of a results folder with their checksums; exit code 1 if any is damaged
     Verify {
@@ -274,6 +265,8 @@ struct CaseArguments {
     /// Number of threads [default: one per core]; results do not depend on it
     #[arg(long, value_name = "N", value_parser = parse_thread_count)]
     threads: Option<u16>,
+    #[command(flatten)]
+    pictures: PictureArguments,
 }
 
 /// Medium of a template of plane waves.
@@ -346,13 +339,16 @@ impl From<CaseArguments> for Options {
             thread_count: arguments.threads.map(usize::from),
             accept_ill_posed: false,
             only_disagreeing: false,
+            pictures: arguments.pictures.into(),
         }
     }
 }
 
 fn main() -> ExitCode {
     signals::install_signal_handlers();
-    let verb = match CommandLine::try_parse() {
+    let command = help::add_examples(CommandLine::command());
+    let line = command.try_get_matches().and_then(|own| CommandLine::from_arg_matches(&own));
+    let verb = match line {
         Ok(line) => line.verb,
         Err(error) => return report_usage_error(&error),
     };
@@ -472,18 +468,30 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             let options = Options { only_disagreeing, ..arguments.into() };
             cli::run_check(&options, &mut stdout)?;
         }
-        Verb::Compare { first, second, output_folder, format, force, is_dry_run } => {
-            let folders = [first, second];
-            let format = format.into();
-            let options = cli::CompareOptions { folders, format, output_folder, force, is_dry_run };
+        Verb::Compare { first, second, output_folder, format, force, is_dry_run, pictures } => {
+            let options = cli::CompareOptions {
+                folders: [first, second],
+                format: format.into(),
+                output_folder,
+                force,
+                is_dry_run,
+                pictures: pictures.into(),
+            };
             cli::run_compare(&options, &mut stdout)?;
         }
-        Verb::Resume { folder, threads, checkpoint_interval, format } => {
+        Verb::Resume { folder, threads, checkpoint_interval, format, pictures } => {
             let threads = threads.map(usize::from);
             let checkpoint_settings = CheckpointSettings { interval: checkpoint_interval };
-            cli::resume(&folder, threads, checkpoint_settings, format.into(), &mut stdout)?;
+            cli::resume(
+                &folder,
+                threads,
+                checkpoint_settings,
+                format.into(),
+                &pictures.into(),
+                &mut stdout,
+            )?;
         }
-        Verb::Plot { folder } => cli::plot(&folder, &mut stdout)?,
+        Verb::Plot { folder, pictures } => cli::plot(&folder, &pictures.into(), &mut stdout)?,
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
         Verb::Cases { action: Some(CasesAction::Show { name }), .. } => {
             cases::show_case(&name, &mut stdout)?;

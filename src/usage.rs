@@ -37,7 +37,7 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
                 value => format!("found '{value}'"),
             };
             let allowed = match text(ContextKind::ValidValue) {
-                values if values.is_empty() => format!("expected {argument}"),
+                values if values.is_empty() => format!("expected {argument}, not an empty text"),
                 values => format!("{}allowed: {values}", meant(ContextKind::SuggestedValue)),
             };
             usage_error(argument, found, allowed)
@@ -50,6 +50,9 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
         }
         ErrorKind::UnknownArgument => {
             let allowed = match meant(ContextKind::SuggestedArg) {
+                _ if argument.starts_with('=') => {
+                    "write --set KEY=VALUE without spaces around '='".to_owned()
+                }
                 suggestion if suggestion.is_empty() => "leave it out".to_owned(),
                 suggestion => suggestion,
             };
@@ -60,16 +63,22 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
             usage_error(argument, found.to_owned(), allowed)
         }
         ErrorKind::InvalidSubcommand => {
+            let command = C::command();
+            let parent = verb.as_deref().and_then(|verb| command.find_subcommand(verb));
             let allowed = format!(
                 "{}allowed: {}",
                 meant(ContextKind::SuggestedSubcommand),
-                list_verbs(&C::command())
+                list_verbs(parent.unwrap_or(&command))
             );
             usage_error(text(ContextKind::InvalidSubcommand), "unknown command".to_owned(), allowed)
         }
         ErrorKind::MissingRequiredArgument => {
-            let usage =
-                format!("expected wellposed {} {argument}", verb.as_deref().unwrap_or_default());
+            let command = C::command();
+            let inner = verb.as_deref().and_then(|verb| command.find_subcommand(verb));
+            // The subcommand of a verb, such as `show` of `cases`.
+            let inner = inner.and_then(|own| find_verb(own, arguments));
+            let verbs: Vec<&str> = verb.iter().chain(&inner).map(String::as_str).collect();
+            let usage = format!("expected wellposed {} {argument}", verbs.join(" "));
             usage_error(argument, "missing".to_owned(), usage)
         }
         ErrorKind::ArgumentConflict => {

@@ -122,7 +122,7 @@ fn elastic_joints_have_band_gap_and_continuum_long_waves() {
     let before = [read("dispersion.csv"), read("dispersion.json"), read("dispersion.png")];
     run_dispersion(folder.path(), &elastic_case(), &[], 2, true).expect("a medium");
     assert!(before == [read("dispersion.csv"), read("dispersion.json"), read("dispersion.png")]);
-    let printed = run_dispersion(folder.path(), &elastic_case(), &[], 1, false).expect("a medium");
+    let printed = String::from_utf8(read("dispersion.txt")).expect("text");
     for word in ["Verdict: well-posed, stable", "no waves between", "K_t h/μ = 0.15", "chain"] {
         assert!(printed.contains(word), "{word}: {printed}");
     }
@@ -169,10 +169,10 @@ fn viscous_joints_damp_waves() {
     assert!(table.lines().skip(1).filter(|line| line.starts_with("medium")).any(is_decaying));
 }
 
-/// Verifies that masonry (blocks in shifted rows) has Bloch waves but no equivalent continuum, and that joints of
-/// different laws normal to one axis are refused.
+/// Verifies that masonry (blocks in shifted rows) has Bloch waves but no equivalent continuum.
 #[test]
-fn masonry_has_no_continuum_and_mixed_laws_are_refused() {
+#[ignore = "takes half a minute"]
+fn masonry_has_bloch_waves_but_no_continuum() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let found = parse_json(
         &run_dispersion(folder.path(), &elastic_case(), &["block[0].row_shift=0.025"], 2, true)
@@ -180,6 +180,12 @@ fn masonry_has_no_continuum_and_mixed_laws_are_refused() {
     );
     assert!(found["no_continuum"].as_str().expect("a reason").contains("aligned"), "{found}");
     assert_eq!(found["stable"], true);
+}
+
+/// Verifies that joints of different laws normal to one axis are refused.
+#[test]
+fn mixed_laws_are_refused() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
     let mixed = elastic_case()
         + "[[joint]]\nat = [0.05, 0.025]\nkind = 'elastic'\nthickness = 1e-3\ndensity = 1500\nlongitudinal_speed = 1000\nshear_speed = 500\n";
     let error = run_dispersion(folder.path(), &mixed, &[], 1, true).expect_err("no period");

@@ -161,7 +161,7 @@ fn invalid_requests_exit_with_2_and_write_nothing() {
     fs::write(here.join("full/notes"), "").unwrap();
     let before = list_entries(&here);
     for (arguments, expected) in [
-        ("map absent.toml", "error: absent.toml: No such file"),
+        ("map absent.toml", "error: absent.toml: no such file"),
         ("point .", "error: .: "),
         ("point case.toml --set background.presure=1", "error: --set background.presure=1: "),
         ("point case.toml --set model.friction_angle_deg=90", "--set model.friction_angle_deg=90"),

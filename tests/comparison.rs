@@ -309,7 +309,7 @@ fn runs_that_do_not_match_are_refused() {
     let cells = "--set grid.cells=[12,6] --set grid.spacing=0.06666666666666667";
     refuse(cells, "grid.cells", "cells of 0.0666");
     let (_, errors) = run_with_exit_code(2, &folder, "compare a missing");
-    assert!(errors.contains("missing: no finished run"), "{errors}");
+    assert!(errors.contains("missing: no such folder"), "{errors}");
     // A damaged file is not read.
     let path = folder.join("b/snapshot-00000001.vti");
     let mut bytes = fs::read(&path).expect("a file");

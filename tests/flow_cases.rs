@@ -150,18 +150,18 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "at = [0.1, 0.05]",
         "at = [0.1, 0.5]",
-        "folder/x.toml:30: initial[1].at: found [0.1, 0.5], outside the box; the box has x1 from 0.0 to \
-             0.2 m, x2 from 0.0 to 0.1 m",
+        "folder/x.toml:30: initial[1].at: found [0.1, 0.5], outside the box; the box has x1 from 0 to \
+             0.2 m, x2 from 0 to 0.1 m",
     ),
     (
         "to = 6.5",
         "to = 8",
-        "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; expected at most 7: use more grid points, or longer waves",
+        "folder/x.toml:36: initial[2].to: found 8 with 32 × 24 points; expected at most 7: use more grid points, or longer waves",
     ),
     (
         "to = 6.5",
         "to = 0.5",
-        "folder/x.toml:36: initial[2].to: found 0.5 with from = 1.0; to must be",
+        "folder/x.toml:36: initial[2].to: found 0.5 with from = 1; to must be",
     ),
     (
         "from = 1\nto = 6.5",
@@ -455,5 +455,8 @@ fn run_templates_contain_every_key() {
         false,
     )
     .unwrap_err();
-    assert!(error.to_string().contains("free-rotating leaves the spin undetermined"), "{error}");
+    assert!(
+        error.to_string().contains("free-rotating, which leaves the spin undetermined"),
+        "{error}"
+    );
 }

@@ -18,6 +18,7 @@ use support::{
 };
 use wellposed::case::Case;
 use wellposed::cli::{self, CommandError, Options};
+use wellposed::report::PictureOptions;
 use wellposed::report::format::format_short;
 
 const TEST_FOLDER: &str = "flow_run";
@@ -92,7 +93,7 @@ fn read_fields(out: &Path) -> HashMap<String, Vec<f64>> {
 #[test]
 fn perturbations_decay_inside_noncoaxiality_bound() {
     let folder = tempfile::tempdir().unwrap();
-    let text = run_flow(folder.path(), &format_decaying_case(RECEIVERS_AND_SNAPSHOTS), 2).unwrap();
+    let text = run_flow(folder.path(), &format_decaying_case(RECEIVERS_AND_SNAPSHOTS), 1).unwrap();
     assert!(text.contains("kinetic energy") && text.contains("run.png"), "{text}");
     let out = folder.path().join("out");
 
@@ -196,17 +197,17 @@ fn check_pictures_of_all_fields(out: &Path) {
     for picture in ["v1", "v2", "w", "psi_deg", "p", "shear_rate"] {
         let drawn = resolved.replace("picture = \"speed\"", &format!("picture = \"{picture}\""));
         fs::write(out.join("case.toml"), drawn).unwrap();
-        cli::plot(out, &mut Vec::new()).unwrap();
+        cli::plot(out, &PictureOptions::default(), &mut Vec::new()).unwrap();
         assert!(fs::read(out.join("run.svg")).unwrap() != before, "{picture}");
     }
     fs::write(out.join("case.toml"), &resolved).unwrap();
-    cli::plot(out, &mut Vec::new()).unwrap();
+    cli::plot(out, &PictureOptions::default(), &mut Vec::new()).unwrap();
     assert!(fs::read(out.join("run.svg")).unwrap() == before);
 }
 
 #[test]
 fn results_are_bit_identical_for_any_number_of_threads() {
-    let results = [1, 2, 3].map(|threads| {
+    let results = [1, 3].map(|threads| {
         let folder = tempfile::tempdir().unwrap();
         run_flow(folder.path(), &format_decaying_case(RECEIVERS_AND_SNAPSHOTS), threads).unwrap();
         read_result_files(&folder.path().join("out"))
@@ -297,7 +298,8 @@ fn run_starts_from_fields_of_archive() {
 #[test]
 fn interrupted_runs_resume_to_bit_identical_files() {
     let text = format_decaying_case(RECEIVERS_AND_SNAPSHOTS)
-        .replace("duration = 0.001", "duration = 0.004");
+        .replace("duration = 0.001", "duration = 0.004")
+        .replace("snapshot_interval = 2.5e-4", "snapshot_interval = 1e-3");
     let uninterrupted = create_case_folder(TEST_FOLDER, "whole", &text);
     let start = Instant::now();
     run_with_exit_code(0, &uninterrupted, RUN_ARGUMENTS);
@@ -366,6 +368,9 @@ fn bundled_flows_decay_or_grow_as_described() {
         let options = Options {
             case_path: file.clone(),
             output_folder: Some(out.clone()),
+            thread_count: Some(1),
+            // No animation.
+            settings: vec!["output.snapshot_interval=0".to_owned()],
             accept_ill_posed: grows,
             ..Options::default()
         };

@@ -29,6 +29,7 @@ fn run_bundled_case(name: &str, sets: &[String]) -> HalfSpaceRun {
         case_path: bundled_case(&format!("dynamics/{name}.toml")),
         settings: sets.to_vec(),
         output_folder: Some(out.clone()),
+        thread_count: Some(1),
         ..Options::default()
     };
     run_case(&options).expect("a sound case");

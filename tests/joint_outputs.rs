@@ -10,6 +10,7 @@ use std::fs;
 use std::path::Path;
 use support::{create_run_options, parse_case, run_case};
 use wellposed::cli::folder::verify_folder;
+use wellposed::report::PictureOptions;
 use wellposed::study::ignore_progress;
 use wellposed::study::simulate::{JOINT_QUANTITIES, SimulationSettings};
 
@@ -143,7 +144,8 @@ fn run_and_check_joint_files(folder: &Path, case: &str) -> (BTreeMap<String, Vec
     // `plot` draws the same pictures from the result files.
     let names = ["run.svg", "run.png", "animation.gif"];
     let drawn = names.map(|name| read_file(folder, name));
-    wellposed::cli::plot(&folder.join("out"), &mut Vec::new()).expect("a finished run");
+    wellposed::cli::plot(&folder.join("out"), &PictureOptions::default(), &mut Vec::new())
+        .expect("a finished run");
     assert!(names.map(|name| read_file(folder, name)) == drawn);
     // The library computes the same final state.
     let case = parse_case(case).expect("a sound case");

@@ -99,6 +99,26 @@ fn short_studies_report_progress_and_can_be_cancelled() {
     });
 }
 
+/// Verifies that the search for the boundaries of a map is part of its progress.
+#[test]
+fn map_progress_includes_its_boundaries() {
+    let settings = ["map.x.points=9", "map.y.points=2"];
+    let case =
+        wellposed::load("cases/granular-flow/noncoaxiality-bound.toml", settings).expect("a case");
+    let compute = |on_progress: ProgressCallback| {
+        wellposed::compute_map(&case, MapOptions::default(), on_progress)
+    };
+    check_progress_and_cancellation("map", compute);
+    let after_points = Mutex::new(None);
+    compute(&|done, total| {
+        after_points.lock().expect("no panic").get_or_insert([done, total]);
+        ControlFlow::Continue(())
+    })
+    .expect("a map");
+    let [points, total] = after_points.into_inner().expect("no panic").expect("a step");
+    assert!(points == 18 && total > 18, "{points} of {total}");
+}
+
 /// Verifies progress and cancellation of `check_map`, which checks every state of an invalid map.
 #[test]
 fn map_check_reports_progress_and_can_be_cancelled() {

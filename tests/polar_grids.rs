@@ -68,7 +68,7 @@ fn invalid_polar_grids_are_refused_with_line_key_and_remedy() {
         ("outer_radius = 1\n", "", "14: grid.outer_radius: missing; add outer_radius to [grid]: "),
         ("outer_radius = 1", "outer_radius = 0.1", "17: grid.outer_radius: found 0.1 with inner_radius = 0.1; outer_radius must be greater than inner_radius"),
         ("outer_radius = 1", "outer_radius = 1\nspacing = 0.1", "18: grid.spacing: found beside inner_radius; leave it out: the radii and angles_deg give the cells of a polar grid"),
-        ("outer_radius = 1", "outer_radius = 1\nangles_deg = [0, 400]", "18: grid.angles_deg: found [0.0, 400.0]; the second angle must be greater than the first, by at most 360"),
+        ("outer_radius = 1", "outer_radius = 1\nangles_deg = [0, 400]", "18: grid.angles_deg: found [0, 400]; the second angle must be greater than the first, by at most 360"),
         ("inner_radius = 0.1", "inner_radius = 0", "16: grid.inner_radius: found the integer 0; expected a positive number in m"),
         ("from = -30\nto = 30", "at = 0", "28: load[0].at: found a point load on a polar grid; give from and to, the ends of an arc, instead of at"),
         ("[[load]]", "[[boundary]]\nside = 'x1-'\nkind = 'free'\n[[load]]", "26: boundary[0].side: found x1- on a polar grid of the whole circle; leave it out: "),
@@ -76,7 +76,7 @@ fn invalid_polar_grids_are_refused_with_line_key_and_remedy() {
         ("[[load]]", "[[region]]\nshape = 'circle'\ncenter = [0, 0.5]\nradius = 0.1\n[[load]]", "26: region[0].shape: found 'circle' on a polar grid; expected box or layer"),
         ("[output]", "[gravity]\nacceleration = [0, -9.81]\nbalanced = false\n[output]", ": gravity: found beside a polar grid; leave it out: loads on the sides drive runs on polar grids"),
         ("duration = 60e-6", "duration = 60e-6\ncourant_of = 's'", "21: time.courant_of: found beside a "),
-        ("at = [5, 0.1225]", "at = [5, 0.05]", "42: receiver[0].at: found [5.0, 0.05], outside the grid; the grid has x1 from -90.0 to 270.0 degrees, x2 from 0.1 to 1.0 m"),
+        ("at = [5, 0.1225]", "at = [5, 0.05]", "42: receiver[0].at: found [5, 0.05], outside the grid; the grid has x1 from -90 to 270 degrees, x2 from 0.1 to 1 m"),
         ("ledger = 'full'", "splitting = 'alternating'", "23: scheme.splitting: found 'alternating'; "),
         ("\n[output]", source, "source: found beside a polar grid; "),
     ];

@@ -114,7 +114,7 @@ fn receivers_do_not_interpolate_across_interfaces() {
 }
 
 const YIELDING_CASE: &str = "[model]\nkind='classical'\nlambda=1.2e8\nmu=8e7\ndensity=1900\n\
-    [yield]\nkind='von-mises'\nstrength=2e4\n[grid]\ncells=[24, 20]\nspacing=0.5\n[time]\nduration=0.05\n\
+    [yield]\nkind='von-mises'\nstrength=2e4\n[grid]\ncells=[24, 20]\nspacing=0.5\n[time]\nduration=0.012\n\
     [[load]]\nside='x2+'\nfield='sigma22'\nfrom=3\nto=7\namplitude=-1e5\ntime={kind='pulse', duration=0.02}\n\
     [[receiver]]\nname='cell'\nat=[5.1, 8.3]\ninterpolation='none'\n\
     [[receiver]]\nname='plane'\nfrom=[1.1, 5.2]\nto=[[11, 5.2], [1.1, 10]]\ncount=[3, 2]\n";
@@ -132,10 +132,8 @@ fn snapshots_have_requested_times() {
     };
     let without = fields("", 1);
     // The interval 7e-4 s is shorter than a step, so that several snapshots are within one step.
-    for interval in [0.02, 7e-4, 0.0123] {
-        for threads in [1, 3] {
-            assert!(fields(&format!("snapshot_interval={interval}"), threads) == without);
-        }
+    for (interval, threads) in [(5e-3, 1), (7e-4, 3), (3.1e-3, 3)] {
+        assert!(fields(&format!("snapshot_interval={interval}"), threads) == without);
         let records = read_receivers(folder.path());
         let (times, values) =
             (column_values(&records, "time"), column_values(&records, "cell.sigma22"));
@@ -146,7 +144,7 @@ fn snapshots_have_requested_times() {
             let Ok(image) = fs::read(path) else { break };
             let time = files::vti::read_plain_time(&image).expect("a time");
             let expected = f64::from(index) * interval;
-            assert_eq!(time, expected.min(0.05));
+            assert_eq!(time, expected.min(0.012));
             let found =
                 files::vti::read_plain_values(&image, "sigma22 [Pa]").expect("values")[cell];
             let next = times.partition_point(|step_time| *step_time < time).max(1);
@@ -155,7 +153,7 @@ fn snapshots_have_requested_times() {
             assert!((found - exact).abs() < 1e-6, "{time}: {found} {exact}");
             index += 1;
         }
-        assert_eq!(index, (0.05 / interval).ceil() as i32 + 1);
+        assert_eq!(index, (0.012 / interval).ceil() as i32 + 1);
     }
     let records = read_receivers(folder.path());
     let mut yields = false;
@@ -210,7 +208,7 @@ fn receiver_lines_and_grids_have_expected_points_and_names() {
     for (text, expected) in [
         (
             "[[receiver]]\nat=[2.5, 0]\n",
-            "receiver[0].at: found [2.5, 0.0], outside the grid; the grid has x1 from 0.0 to 2.4 m",
+            "receiver[0].at: found [2.5, 0], outside the grid; the grid has x1 from 0 to 2.4 m",
         ),
         ("[[receiver]]\nto=[1, 1]\n", "receiver[0].to: found without from; add from"),
         (

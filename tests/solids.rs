@@ -184,9 +184,7 @@ fn critical_plastic_modulus(ratio: f64, friction: f64, dilatancy: f64, lambda: f
 #[test]
 fn shear_bands_start_at_critical_modulus_of_rudnicki_and_rice() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    for (out_of_plane, friction, dilatancy) in
-        [(0.3, 0.6, 0.1), (0.0, 0.6, 0.1), (-0.4, 0.5, 0.2), (0.1, 0.3, 0.3)]
-    {
+    for (out_of_plane, friction, dilatancy) in [(0.3, 0.6, 0.1), (-0.4, 0.5, 0.2)] {
         // Principal deviators of diag(1, −1, x): ±1 − x/3 and 2x/3.
         let middle = 2.0 * out_of_plane / 3.0;
         let square = |x: f64| x * x;

@@ -19,6 +19,8 @@ mod check;
 mod check_blocks;
 #[path = "check_equations.rs"]
 mod check_equations;
+#[path = "check_reports.rs"]
+mod check_reports;
 #[path = "diagram.rs"]
 mod diagram;
 #[path = "dispersion.rs"]
@@ -31,6 +33,8 @@ mod dry_run;
 mod equations_in_space;
 #[path = "extreme_numbers.rs"]
 mod extreme_numbers;
+#[path = "first_use.rs"]
+mod first_use;
 #[path = "flow.rs"]
 mod flow;
 #[path = "flow_cases.rs"]
@@ -51,6 +55,8 @@ mod library;
 mod messages;
 #[path = "normal_limits.rs"]
 mod normal_limits;
+#[path = "pictures.rs"]
+mod pictures;
 #[path = "point_loads.rs"]
 mod point_loads;
 #[path = "polar_grids.rs"]

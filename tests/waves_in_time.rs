@@ -45,6 +45,7 @@ fn create_options(file: PathBuf, folder: &Path, sets: &[String]) -> Options {
         case_path: file,
         settings: sets.to_vec(),
         output_folder: Some(folder.join("out")),
+        thread_count: Some(1),
         force: true,
         ..Options::default()
     }
@@ -195,7 +196,9 @@ fn oblique_waves_have_predicted_frequencies() {
     let branches = compute_branches(file.clone(), &[]);
     assert_eq!(branches.len(), 6);
     for (index, (polarisation, frequency)) in branches.iter().enumerate() {
-        if polarisation == "torsion" {
+        // One of both waves of the same frequency, which differ in polarisation only.
+        let is_second = index > 0 && (branches[index - 1].1 / frequency - 1.0).abs() < 1e-9;
+        if polarisation == "torsion" || is_second {
             continue;
         }
         let sets = [
@@ -388,7 +391,7 @@ fn exact_spin(times: &[f64], frequency: f64, depth: f64, surface: SurfaceConditi
 }
 
 /// Verifies the bundled half-space driven at its natural frequency, at 1.5 times this frequency, and with a
-/// shear-free surface.
+/// shear-free surface, in half of its duration and to half of its depth.
 #[test]
 fn half_space_resonates_at_natural_rotation_frequency() {
     let natural_frequency = (4.0 * HALF_SPACE_CONSTANTS[3] / HALF_SPACE_CONSTANTS[1]).sqrt();
@@ -396,8 +399,10 @@ fn half_space_resonates_at_natural_rotation_frequency() {
     let run_and_fit = |ratio: f64, surface: SurfaceCondition| {
         // Cells twice as large as in the case: computing time is a quarter.
         let mut sets = vec![
-            "grid.cells=[1, 1750]".to_owned(),
+            "grid.cells=[1, 875]".to_owned(),
             "grid.spacing=[0.8, 0.004]".to_owned(),
+            "grid.origin=[0, -3.5]".to_owned(),
+            format!("time.duration={:?}", 20.0 * period),
             format!("load[0].time.frequency={:?}", ratio / period),
         ];
         if let SurfaceCondition::ShearFree = surface {
@@ -405,12 +410,12 @@ fn half_space_resonates_at_natural_rotation_frequency() {
         }
         let results = run_case_file(bundled_case("dynamics/resonance.toml"), &sets);
         let time = results.column("time");
-        assert!((time[time.len() - 1] / (40.0 * period) - 1.0).abs() < 1e-5);
+        assert!((time[time.len() - 1] / (20.0 * period) - 1.0).abs() < 1e-5);
         let values = results.column("surface.w3");
         // Intervals of two natural periods contain full periods of both loads, so that natural oscillations do not
         // leak into the other frequency.
         let mut rows = Vec::new();
-        for pair in 1..20 {
+        for pair in 1..10 {
             let [from, to] = [2 * pair, 2 * pair + 2].map(|count| f64::from(count) * period);
             let span = sample_range(time, from, to - 1e-9 * period);
             let exact = exact_spin(&time[span.clone()], ratio * natural_frequency, 0.002, surface);
@@ -445,7 +450,7 @@ fn half_space_resonates_at_natural_rotation_frequency() {
             assert!((found / expected - 1.0).abs() < 0.01, "{name}: {found:e} for {expected:e}");
         }
     }
-    // Fit to the rows from that centred at 5 periods to that centred at 39 periods.
+    // Fit to the rows from that centred at 5 periods to that centred at 19 periods.
     let [found, expected] = [1, 2].map(|column| exponent(&slow[1..], column));
     println!("exponent {found} for {expected}");
     assert!((found - expected).abs() < 0.01, "{found} for {expected}");

@@ -23,7 +23,7 @@ use models::equations::{
 };
 use num_complex::Complex64;
 use std::cell::RefCell;
-use std::f64::consts::TAU;
+use std::f64::consts::{LN_10, TAU};
 
 /// Largest relative difference between both symbols.
 pub const SYMBOL_TOLERANCE: f64 = 1e-6;
@@ -67,7 +67,8 @@ pub struct WaveComparison {
 }
 
 /// Compares both symbols of a model, and its waves in time with the roots of the dispersion relation, at `count` waves
-/// about the wave number `wave_number` (1/m), in directions that fill the circle or sphere evenly; `state` is completed by
+/// about the wave number `wave_number` (1/m), in directions that fill the circle or sphere evenly, or in one dimension at
+/// wave numbers that fill two decades evenly; `state` is completed by
 /// the background derivatives that it asks for. The first [`MAX_FOLLOWED`] waves are followed in time.
 ///
 /// # Errors
@@ -85,7 +86,7 @@ pub fn compare_waves(
     let residual = PerturbedResidual::new(model, state)?;
     (0..count)
         .map(|index| {
-            let k = wave_number * [1.0, 0.31, 2.7][index % 3];
+            let k = wave_number * spread_wave_number(model.dimensions(), index);
             let (direction, elevation) = spread_direction(model.dimensions(), index);
             let wave_vector = to_wave_vector(k, direction, elevation);
             // Roots in the frame of the background velocity.
@@ -112,10 +113,22 @@ pub fn compare_waves(
         .collect()
 }
 
+/// Multiples of the golden ratio, which fill a unit interval evenly.
+fn golden_fraction(index: usize) -> f64 {
+    (0.2 + 0.618_033_988_749_894_9 * index as f64).fract()
+}
+
+/// Wave number relative to the given one. Waves of one dimension do not differ in direction.
+fn spread_wave_number(dimensions: usize, index: usize) -> f64 {
+    match index {
+        3.. if dimensions == 1 => (LN_10 * (2.0 * golden_fraction(index) - 1.0)).cr_exp(),
+        _ => [1.0, 0.31, 2.7][index % 3],
+    }
+}
+
 /// Directions and elevations, rad, at the steps of the golden ratio.
 fn spread_direction(dimensions: usize, index: usize) -> (f64, f64) {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let turn = (0.2 + GOLDEN * index as f64).fract();
+    let turn = golden_fraction(index);
     match dimensions {
         1 => (0.0, 0.0),
         2 => (TAU * turn, 0.0),

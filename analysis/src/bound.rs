@@ -40,13 +40,18 @@ pub const SUPREMUM_TOLERANCE: f64 = 1e-5;
 const MAX_WAVE_NUMBER: f64 = 1e5;
 /// Lower end of the searched wave numbers, in the scaled unit, for a uniform background.
 const MIN_WAVE_NUMBER: f64 = 1e-16;
+/// Relative difference below which two growth rates are on one plateau over the wave numbers.
+const PLATEAU: f64 = 1e-9;
+/// Growth rate of the longest waves, in the scaled unit of the system, below which its limit k → 0 is zero.
+const ZERO_RATE: f64 = 1e-12;
 /// Number of steps of the grid in log k.
 const WAVE_NUMBER_STEPS: usize = 96;
 /// Number of directions of the grid.
 const DIRECTION_COUNT: usize = 48;
 
 /// Locates the supremum of Re ς over all directions and k ≥ `min_wave_number` (1/m; 0 for a uniform background) of a
-/// well-posed system. `None` for other verdicts, or if `min_wave_number` exceeds the range of the search.
+/// well-posed system. `None` for other verdicts, without dispersion roots, or if `min_wave_number` exceeds the range of
+/// the search.
 pub fn locate_supremum(
     pencil: &Pencil,
     assessment: &Assessment,
@@ -118,21 +123,33 @@ fn search_supremum(
         }
         let (found, [log_k, position]) = maximise_by_simplex(value, start.1, [0.2, 0.05]);
         let log_k = log_k.clamp(low, high);
-        if best.is_none_or(|b| found > b.0) {
+        if found > f64::NEG_INFINITY && best.is_none_or(|b| found > b.0) {
             best = Some((found, log_k, angle(log_k, position)));
         }
     }
-    best.map(|(rate, log_k, direction)| Supremum {
-        growth_rate: rate,
-        wave_number: if log_k <= low + 0.1 {
-            SupremumWaveNumber::LongWaves
-        } else if log_k >= high - 0.7 {
-            SupremumWaveNumber::ShortWaves
-        } else {
-            SupremumWaveNumber::Attained(unit * log_k.cr_exp())
-        },
-        direction: direction.rem_euclid(PI),
-    })
+    let (found, log_k, direction) = best?;
+    let wave_number = |log_k: f64| unit * log_k.cr_exp();
+    let has_equal_rate = |log_k: f64| found - rate(log_k, direction) <= PLATEAU * found.abs();
+    let location = if log_k <= low + 0.1 || has_equal_rate(low) {
+        SupremumWaveNumber::LongWaves
+    } else if log_k >= high - 0.7 || has_equal_rate(high) {
+        SupremumWaveNumber::ShortWaves
+    } else {
+        SupremumWaveNumber::Attained(wave_number(log_k))
+    };
+    let mut growth_rate = found;
+    if found > 0.0 {
+        // Neutral roots have real parts of the size of the rounding errors.
+        let certain = pencil.polynomial.growth_rate_beyond_rounding(wave_number(log_k), direction);
+        if certain < 0.5 * found {
+            growth_rate = certain;
+        }
+    }
+    let is_limit = location == SupremumWaveNumber::LongWaves && min_wave_number == 0.0;
+    if is_limit && growth_rate.abs() <= ZERO_RATE * pencil.polynomial.rate_unit {
+        growth_rate = 0.0;
+    }
+    Some(Supremum { growth_rate, wave_number: location, direction: direction.rem_euclid(PI) })
 }
 
 /// Largest Re ς, 1/s, at the logarithm of the wave number in the scaled unit and a direction (rad). Starts from the roots

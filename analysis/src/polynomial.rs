@@ -434,6 +434,21 @@ impl DispersionPolynomial {
             * self.rate_unit
     }
 
+    /// Largest Re ς, 1/s, at the wave number `k` (1/m) and `direction` (rad) among the roots whose real part exceeds the
+    /// effect of rounding, by the derivative of the polynomial at the root; 0 without such a root.
+    pub(crate) fn growth_rate_beyond_rounding(&self, k: f64, direction: f64) -> f64 {
+        let (coefficients, bounds) = self.bounded_coefficients_at(k, direction);
+        let is_certain = |root: &Complex64| {
+            let (_, slope) = roots::evaluate_extended(&coefficients, *root);
+            let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.norm() + own);
+            let error = bound + f64::EPSILON * root.norm() * slope.norm();
+            root.re > 0.0 && root.re * slope.norm() > ROUNDING_MARGIN * error
+        };
+        let roots = roots::solve_extended(&coefficients, &[]);
+        roots.iter().filter(|root| is_certain(root)).fold(0.0, |sum: f64, own| sum.max(own.re))
+            * self.rate_unit
+    }
+
     /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad), by the Aberth–Ehrlich
     /// method on the exact polynomial. The `guesses` (1/s) are used as starting points if there is one per root.
     pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {

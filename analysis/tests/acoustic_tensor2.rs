@@ -106,11 +106,16 @@ fn speeds_agree_with_plane_waves() {
 /// acoustic tensor: growth of order k with the same coefficient.
 #[test]
 fn verdict_agrees_with_flutter_and_shear_bands() {
+    check_verdicts(1000);
+}
+
+/// Checks `count` random yielding solids.
+fn check_verdicts(count: u32) {
     let random = &mut seeded_generator(2);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     let [mut assessed, mut ill, mut flutter, mut marginal, mut lower] = [0; 5];
     let mut worst = 0.0f64;
-    while assessed < 3000 {
+    while assessed < count {
         let Some(equations) = random_yielding_equations(random) else { continue };
         assessed += 1;
         equations.linearise(&mut system);
@@ -141,7 +146,7 @@ fn verdict_agrees_with_flutter_and_shear_bands() {
         "{ill} ill-posed, {flutter} with flutter, {marginal} marginal, {lower} of lower order, \
          squares of coefficients agree to {worst:e}"
     );
-    assert!(ill > 300 && flutter > 100);
+    assert!(10 * ill > count && 30 * flutter > count);
     assert_eq!(lower, 0);
     assert!(marginal <= assessed / 50);
     assert!(worst < 1e-11);
@@ -192,9 +197,14 @@ fn speeds_vanish_along_the_layer_and_where_the_determinant_does() {
 
 #[test]
 fn search_finds_extremes_of_brute_force() {
+    compare_with_brute_force(20);
+}
+
+/// Checks `count` random yielding solids.
+fn compare_with_brute_force(count: usize) {
     let random = &mut seeded_generator(3);
     let mut cases = 0;
-    while cases < 60 {
+    while cases < count {
         let Some(equations) = random_yielding_equations(random) else { continue };
         cases += 1;
         let extremes = AcousticTensor2::new(&equations).search_extremes(&[]);
@@ -245,4 +255,11 @@ fn von_mises_yielding_in_pure_shear_has_zero_speeds_at_45_degrees() {
     for (angle, expected) in vanishing.iter().zip([0.25 * PI, 0.75 * PI]) {
         assert!((angle - expected).abs() < 1e-6, "{angle}");
     }
+}
+
+#[test]
+#[ignore = "takes a quarter of a minute"]
+fn verdicts_and_searches_agree_for_many_solids() {
+    check_verdicts(3000);
+    compare_with_brute_force(60);
 }

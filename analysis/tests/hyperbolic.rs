@@ -51,12 +51,16 @@ fn random_symmetric_system(random: &mut RandomNumbers, kind: usize) -> Linearise
     system_from_matrices(n, [(X, &first), (Y, &second), (C, &constant)])
 }
 
-/// Verifies 1500 random systems of each of the four kinds: none is ill-posed, fewer than 5 % are marginal.
+/// Verifies 500 random systems of each of the four kinds: none is ill-posed, fewer than 5 % are marginal.
 #[test]
 fn symmetric_hyperbolic_systems_are_never_ill_posed() {
-    const SYSTEM_COUNT: u64 = 1500;
+    check_systems(500);
+}
+
+/// Checks `count` random systems of each kind.
+fn check_systems(count: u64) {
     for kind in 0..4 {
-        let verdicts: Vec<(u64, Verdict)> = (0..SYSTEM_COUNT)
+        let verdicts: Vec<(u64, Verdict)> = (0..count)
             .into_par_iter()
             .map(|seed| {
                 (seed, compute_verdict(&random_symmetric_system(&mut seeded_generator(seed), kind)))
@@ -67,8 +71,14 @@ fn symmetric_hyperbolic_systems_are_never_ill_posed() {
             .iter()
             .filter(|(_, v)| !matches!(v, Verdict::WellPosed | Verdict::Marginal { .. }))
             .collect();
-        println!("kind {kind}: {marginal} of {SYSTEM_COUNT} marginal");
+        println!("kind {kind}: {marginal} of {count} marginal");
         assert!(wrong.is_empty(), "kind {kind}: {wrong:?}");
-        assert!(20 * marginal < SYSTEM_COUNT, "kind {kind}: {marginal} marginal");
+        assert!(20 * marginal < count, "kind {kind}: {marginal} marginal");
     }
+}
+
+#[test]
+#[ignore = "takes half a minute"]
+fn many_symmetric_hyperbolic_systems_are_never_ill_posed() {
+    check_systems(1500);
 }

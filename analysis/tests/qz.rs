@@ -114,14 +114,18 @@ fn condition_number(exact: &System256, wave: [f64; 2], root: Complex256) -> f64 
 /// well-conditioned roots missed than by faer.
 #[test]
 fn model_pencils_have_small_backward_errors() {
-    const STATE_COUNT: u64 = 21_000;
+    check_model_pencils(7000);
+}
+
+/// Checks `count` random states.
+fn check_model_pencils(count: u64) {
     struct PencilOutcome {
         error: f64,
         has_exact_count: bool,
         /// Numbers of well-conditioned roots, of roots missed by QZ, and of roots missed by faer.
         root_counts: [usize; 3],
     }
-    let outcomes: Vec<PencilOutcome> = (0..STATE_COUNT)
+    let outcomes: Vec<PencilOutcome> = (0..count)
         .into_par_iter()
         .map(|seed| {
             let random = &mut seeded_generator(0x9a00_0000 + seed);
@@ -145,7 +149,7 @@ fn model_pencils_have_small_backward_errors() {
                 has_exact_count: found.len() == wanted.len(),
                 root_counts: [0; 3],
             };
-            if seed < STATE_COUNT / 5 {
+            if seed < count / 5 {
                 let faer: Vec<_> =
                     faer_eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
                 for root in wanted {
@@ -167,19 +171,24 @@ fn model_pencils_have_small_backward_errors() {
     let [all, missed, missed_by_faer] =
         [0, 1, 2].map(|which| outcomes.iter().map(|o| o.root_counts[which]).sum::<usize>());
     println!(
-        "{STATE_COUNT} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
+        "{count} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
          finite eigenvalues than roots; of {all} well-conditioned roots {missed} missed, \
          {missed_by_faer} by faer"
     );
     assert!(worst < 3e-15);
-    assert!(miscounted as u64 * 1000 <= STATE_COUNT);
-    assert!(all > 500 && missed * 50 <= all && missed <= missed_by_faer);
+    assert!(miscounted as u64 * 1000 <= count);
+    assert!(42 * all as u64 > count && missed * 50 <= all && missed <= missed_by_faer);
 }
 
 /// Verifies dense random pencils of all sizes with regular R against faer.
 #[test]
 fn regular_random_pencils_agree_with_faer() {
-    let worst = (0..10_000u64)
+    compare_regular_pencils(3000);
+}
+
+/// Checks `count` random pencils.
+fn compare_regular_pencils(count: u64) {
+    let worst = (0..count)
         .into_par_iter()
         .map(|seed| {
             let random = &mut seeded_generator(seed);
@@ -192,14 +201,19 @@ fn regular_random_pencils_agree_with_faer() {
         .collect::<Vec<f64>>();
     let far = worst.iter().filter(|d| **d > 1e-9).count();
     println!("{far} of {} farther than 1e-9 from faer's", worst.len());
-    assert!(far <= 20 && worst.iter().all(|d| *d < 1e-3));
+    assert!(500 * far <= worst.len() && worst.iter().all(|d| *d < 1e-3));
 }
 
 /// Verifies R of any rank r against faer: exactly r finite eigenvalues if the rank shows in zero rows, otherwise the r
 /// eigenvalues of smallest modulus.
 #[test]
 fn singular_random_pencils_agree_with_faer() {
-    for seed in 0..2_000 {
+    compare_singular_pencils(600);
+}
+
+/// Checks `count` random pencils.
+fn compare_singular_pencils(count: u64) {
+    for seed in 0..count {
         let random = &mut seeded_generator(seed);
         let n = 2 + seed as usize % 9;
         let rank = (random.unit_interval() * n as f64) as usize;
@@ -299,7 +313,12 @@ fn diagonal_pencils_are_solved_to_rounding_at_any_scale() {
 /// only, to 1e-7, and that entries of extreme scales leave small backward errors.
 #[test]
 fn extreme_scales_change_eigenvalues_by_powers_of_two() {
-    for seed in 0..6_000 {
+    check_extreme_scales(2000);
+}
+
+/// Checks `count` random pencils.
+fn check_extreme_scales(count: u64) {
+    for seed in 0..count {
         let random = &mut seeded_generator(seed);
         let n = 2 + seed as usize % 9;
         let [left, right] = [0; 2].map(|_| random_matrix(random, n));
@@ -382,4 +401,13 @@ fn entries_that_are_not_finite_are_rejected_and_workspaces_reusable() {
         qz.equilibrate(n, |i, j| left[(i, j)], |i, j| right[(i, j)]);
         assert_eq!(qz.solve().expect("convergence"), verified_eigenvalues(&left, &right));
     }
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn many_pencils_are_solved() {
+    check_model_pencils(21_000);
+    compare_regular_pencils(10_000);
+    compare_singular_pencils(2000);
+    check_extreme_scales(6000);
 }

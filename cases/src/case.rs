@@ -25,6 +25,7 @@ use super::section_schemas::{CASE_SCHEMAS, has_simulation};
 use super::value::CaseValue;
 use models::InputError;
 use std::fmt::Write;
+use std::io::ErrorKind;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -124,7 +125,11 @@ impl Case {
         let mut bytes = Vec::new();
         std::fs::File::open(path)
             .and_then(|file| file.take(MAX_FILE_SIZE + 1).read_to_end(&mut bytes))
-            .map_err(|error| unreadable(error.to_string()))?;
+            .map_err(|error| match error.kind() {
+                ErrorKind::NotFound => unreadable("no such file".to_owned()),
+                ErrorKind::IsADirectory => unreadable("a folder, not a file".to_owned()),
+                _ => unreadable(error.to_string()),
+            })?;
         if bytes.len() as u64 > MAX_FILE_SIZE {
             return Err(unreadable("larger than 16 MiB, the maximum size of a case file".into()));
         }
@@ -138,7 +143,8 @@ impl Case {
                 let before = &bytes[..error.valid_up_to()];
                 let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
                 let cause = "a byte that is not UTF-8 text".to_owned();
-                Err(CaseError::Syntax { position: SourcePosition::Line { file, line }, cause })
+                let position = SourcePosition::Line { file, line };
+                Err(CaseError::Syntax { position, cause, remedy: "save the file as UTF-8 text" })
             }
         }
     }

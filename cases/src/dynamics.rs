@@ -57,6 +57,7 @@ use crate::plane_wave::ContactMedium;
 use crate::schema::TableSchema;
 use crate::section::SectionReader;
 use boundary::periodic_faces;
+use models::common::decimal::ToPlainText;
 use models::solid::parameters::Theory;
 use reader::SolidReader;
 use std::path::Path;
@@ -325,7 +326,10 @@ impl SolidRun {
             let Some(medium) = medium else {
                 return Err(self.positions.key_error(
                     "region",
-                    format!("no region contains the cell at {centre:?}"),
+                    format!(
+                        "no region contains the cell at {centre}",
+                        centre = centre.to_plain_text()
+                    ),
                     "add [[region]] with shape = \"rest\", or make the regions larger",
                 ));
             };
@@ -358,7 +362,10 @@ impl SolidRun {
         match (first, holders.next()) {
             (Some(first), Some(second)) => {
                 let position = self.positions.locate(&format!("region[{first}]"));
-                let found = format!("overlaps region[{first}] ({position}) in the cell at {x:?}");
+                let found = format!(
+                    "overlaps region[{first}] ({position}) in the cell at {x}",
+                    x = x.to_plain_text()
+                );
                 let allowed = "regions must not overlap: move or shrink one of the two";
                 Err(self.positions.key_error(&format!("region[{second}]"), found, allowed))
             }

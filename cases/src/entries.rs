@@ -47,6 +47,7 @@ impl<'a> CaseEntries<'a> {
             CaseError::Syntax {
                 position: SourcePosition::Line { file: file.to_owned(), line },
                 cause: format!("{} in '{}'", escape(error.message()), escape(content)),
+                remedy: choose_syntax_remedy(error.message(), content),
             }
         })?;
 
@@ -91,8 +92,8 @@ impl<'a> CaseEntries<'a> {
                     unknown.get_or_insert_with(|| (name.clone(), entries.positions.locate(name)));
                 }
                 None if value.as_table().is_none() => {
-                    let allowed = format!("expected a section [{name}]");
-                    return Err(entries.positions.key_error(name, describe_value(value), allowed));
+                    let found = format!("found {}", describe_value(value));
+                    return Err(entries.positions.key_error(name, found, expect_section(name)));
                 }
                 None => {}
             }
@@ -450,6 +451,39 @@ fn collect_entries<'d, 'a>(
             collect_entries(&name, inner, found);
         }
         found.push(DocumentEntry { name, value, offset: key.span().start });
+    }
+}
+
+/// Describes the section `name`: its title, or for a table inside a section its keys.
+fn expect_section(name: &str) -> String {
+    let Some((_, own)) = name.rsplit_once('.') else {
+        return format!("expected a section [{name}]");
+    };
+    let keys: Vec<String> = keys()
+        .iter()
+        .filter_map(|key| key.name.strip_prefix(name)?.strip_prefix('.'))
+        .map(|key| format!("{key} = …"))
+        .collect();
+    format!("expected a table {own} = {{ {} }}", keys.join(", "))
+}
+
+/// Chooses the remedy for a line that is not TOML, from the message of the parser and the text of the line.
+fn choose_syntax_remedy(message: &str, line: &str) -> &'static str {
+    let value = line.split_once('=').map_or("", |(_, value)| value.trim());
+    let has_decimal_comma = value.split_once(',').is_some_and(|(before, after)| {
+        before.bytes().all(|byte| byte.is_ascii_digit())
+            && after.starts_with(|c: char| c.is_ascii_digit())
+    });
+    if message.contains("duplicate key") {
+        "give each key once"
+    } else if has_decimal_comma {
+        "write a point for the decimal comma, as in 1.5e9"
+    } else if message.contains("must be quoted") && !value.is_empty() {
+        "put the text in quotes: key = \"text\""
+    } else if message.contains("unclosed") {
+        "close the bracket or quotation mark that the line opens"
+    } else {
+        "write 'key = value' or '[section]'; '#' begins a comment"
     }
 }
 

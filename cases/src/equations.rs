@@ -165,9 +165,13 @@ impl EquationsCase {
 
     /// Names of all numbers that a map can sweep.
     fn sweep_names(&self) -> Vec<String> {
-        let wave = ["wave.number", "wave.direction_deg", "wave.elevation_deg"];
-        let own = self.slots.iter().map(|slot| slot.key.clone());
-        own.chain(wave.map(str::to_owned)).collect()
+        let wave = self.wave_keys().iter().map(|key| format!("wave.{key}"));
+        self.slots.iter().map(|slot| slot.key.clone()).chain(wave).collect()
+    }
+
+    /// Keys of the section `[wave]` that matter in as many dimensions as the model has.
+    fn wave_keys(&self) -> &'static [&'static str] {
+        &["number", "direction_deg", "elevation_deg"][..self.model.dimensions()]
     }
 
     /// Returns the keys of the parameters and of the numbers of the background, in the order of their values in
@@ -182,8 +186,10 @@ impl EquationsCase {
                 let NumberSlot { key, label, unit, .. } = &self.slots[index];
                 Some(SweepParameter::from_equation_number(index, [key, label, unit]))
             }
-            None if name.starts_with("wave.") => SweepParameter::find_by_name(name),
-            None => None,
+            None => {
+                let key = name.strip_prefix("wave.")?;
+                self.wave_keys().contains(&key).then(|| SweepParameter::find_by_name(name))?
+            }
         }
     }
 

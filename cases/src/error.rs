@@ -45,12 +45,14 @@ pub enum CaseError {
         cause: String,
     },
     /// The text is not TOML or not UTF-8.
-    #[error("{position}: {cause}; write 'key = value' or '[section]', each key once")]
+    #[error("{position}: {cause}; {remedy}")]
     Syntax {
         /// Position of the error.
         position: SourcePosition,
         /// Message of the parser with the text of the line, or a note that a byte is not UTF-8.
         cause: String,
+        /// Way to write the line.
+        remedy: &'static str,
     },
     /// A key is unknown, missing or unused, or has an invalid value.
     #[error("{position}: {key}: {found}; {allowed}")]

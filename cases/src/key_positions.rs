@@ -119,7 +119,11 @@ impl KeyPositions {
 
     /// Returns the name of a section for messages.
     pub(super) fn section_title(&self, section: &str) -> String {
-        self.aliases.get(section).cloned().unwrap_or_else(|| format!("[{section}]"))
+        self.aliases.get(section).cloned().unwrap_or_else(|| match section.contains('.') {
+            // A table in braces, or a section of its own.
+            true => section.to_owned(),
+            false => format!("[{section}]"),
+        })
     }
 
     /// Returns the position of an axis of `[map]`: the option that set one of its values, else its line.

@@ -151,12 +151,13 @@ fn check_ends(
     if points > 1 && from >= to {
         let [from, to] = format_distinct([from, to]);
         let (found, allowed) = match from == to {
-            true => {
-                (format!("found {to} at both ends"), "expected to > from, or points = 1".into())
-            }
+            true => (
+                format!("found from = {from} and to = {to}"),
+                "expected from < to, or points = 1".into(),
+            ),
             false => (
-                format!("found {to} with from = {from}"),
-                format!("expected to > from: exchange them, from = {to} and to = {from}"),
+                format!("found from = {from} and to = {to}"),
+                "expected from < to: exchange them".to_owned(),
             ),
         };
         // The option that set one of the ends, rather than the line of the other.

@@ -11,6 +11,7 @@ use crate::key_positions::KeyPositions;
 use crate::kind::MediumKind;
 use crate::named_enum::named_enum;
 use crate::section::{SectionReader, TableWriter};
+use models::common::decimal::ToPlainText;
 pub(crate) use schemas::{
     GRANULAR_SCHEMA, PISTON_SCHEMA, PLANE_WAVE_SCHEMAS, POROUS_SCHEMA, SPALL_SCHEMA,
 };
@@ -257,7 +258,11 @@ fn read_piston(section: SectionReader, is_granular: bool) -> Result<Piston, Case
     let loosening: f64 = section.read_or_default("loosening")?;
     if loosening != 0.0 && !is_granular {
         let allowed = "leave it out: only a granular medium is loosened";
-        return Err(section.key_error("loosening", format!("found {loosening:?}"), allowed));
+        return Err(section.key_error(
+            "loosening",
+            format!("found {loosening}", loosening = loosening.to_plain_text()),
+            allowed,
+        ));
     }
     let piston = Piston {
         load,

@@ -2,6 +2,7 @@
 
 use crate::error::CaseError;
 use crate::section::{SectionReader, join_with_commas};
+use models::common::decimal::ToPlainText;
 
 /// Tolerance for positions outside the grid, relative to the extent of the grid along the axis: the computed bound
 /// origin + cells × spacing differs from the intended decimal number by rounding (100 × 0.29 < 29).
@@ -57,10 +58,11 @@ pub(crate) fn check_position(
             let [from, to] = [first, last].map(|x| round_to_zero(*x, last - first));
             let unit =
                 if domain == PositionDomain::PolarGrid && *axis == 0 { "degrees" } else { "m" };
-            format!("x{} from {from:?} to {to:?} {unit}", axis + 1)
+            format!("x{} from {} to {} {unit}", axis + 1, from.to_plain_text(), to.to_plain_text())
         })
         .collect();
-    let found = format!("found {position:?}, outside the {domain_name}");
+    let found =
+        format!("found {position}, outside the {domain_name}", position = position.to_plain_text());
     Err(section.key_error(
         key,
         found,
@@ -78,8 +80,8 @@ pub(crate) fn check_order(
         return Ok(());
     }
     let [from, to] = [from, to].map(|end| match end {
-        [one] => format!("{one:?}"),
-        all => format!("{all:?}"),
+        [one] => one.to_plain_text(),
+        all => all.to_plain_text(),
     });
     let found = format!("found {to} with from = {from}");
     Err(section.key_error("to", found, "to must be greater than from along each axis"))

@@ -177,6 +177,7 @@ pub(super) fn describe_value(value: &DeValue) -> String {
             });
             match odd {
                 Some(item) => format!("a list that contains {}", describe_value(item)),
+                None if array.is_empty() => "an empty list".to_owned(),
                 None => format!("a list of {}", array.len()),
             }
         }
@@ -215,14 +216,24 @@ pub(super) fn find_similar_name<'a>(
 
 /// Computes the similarity, 0 to 1, of a misspelt name and a candidate: the normalised Damerau–Levenshtein similarity to
 /// the candidate, or, slightly less, to the start of a longer one, so that `fricton` is similar to `friction_angle_deg`.
-/// Names in the same section are compared without it.
+/// Names in the same section are compared without it, and a name without a section also with the last part of the
+/// candidate.
 fn name_similarity(name: &str, candidate: &str) -> f64 {
+    const OTHER_SECTION_WEIGHT: f64 = 0.9;
+    match (name.rsplit_once('.'), candidate.rsplit_once('.')) {
+        (Some((section, name)), Some((same, candidate))) if section == same => {
+            last_part_similarity(name, candidate)
+        }
+        // A key without its section.
+        (None, Some((_, last))) => last_part_similarity(name, candidate)
+            .max(OTHER_SECTION_WEIGHT * last_part_similarity(name, last)),
+        _ => last_part_similarity(name, candidate),
+    }
+}
+
+fn last_part_similarity(name: &str, candidate: &str) -> f64 {
     const MIN_START_LENGTH: usize = 4;
     const START_WEIGHT: f64 = 0.9;
-    let (name, candidate) = match (name.rsplit_once('.'), candidate.rsplit_once('.')) {
-        (Some((section, name)), Some((same, candidate))) if section == same => (name, candidate),
-        _ => (name, candidate),
-    };
     let similarity = strsim::normalized_damerau_levenshtein;
     let length = name.chars().count();
     let start = |length: usize| candidate.chars().take(length).collect::<String>();
@@ -265,6 +276,7 @@ mod tests {
             ("background.presure", Some("background.pressure")),
             ("background.densty", Some("background.density")),
             ("model.xyz", None),
+            ("pressure", Some("background.pressure")),
         ] {
             assert_eq!(find_similar_name(name, NAMES), expected, "{name}");
         }

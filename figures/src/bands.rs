@@ -1,7 +1,8 @@
 //! Band diagrams: frequencies of waves in a periodic medium along a path of the Brillouin zone.
 
+use crate::colour::CURVE_COLOURS;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LINE_WIDTH};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{
@@ -73,10 +74,10 @@ const GAP_LABEL_SIZE: f64 = 22.0;
 impl BandStyle {
     const fn colour(self) -> Colour {
         match self {
-            Self::FirstFamily => RGBColor(0, 114, 178),
-            Self::SecondFamily => RGBColor(213, 94, 0),
-            Self::ThirdFamily => RGBColor(0, 138, 100),
-            Self::Comparison => RGBColor(0, 0, 0),
+            Self::FirstFamily => CURVE_COLOURS[2],
+            Self::SecondFamily => CURVE_COLOURS[1],
+            Self::ThirdFamily => CURVE_COLOURS[3],
+            Self::Comparison => CURVE_COLOURS[0],
             Self::Reference => RGBColor(90, 90, 90),
         }
     }
@@ -174,12 +175,12 @@ impl BandPanel<'_> {
 }
 
 impl BandFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn to_picture(&self) -> Picture {
@@ -350,13 +351,14 @@ mod tests {
 
     #[test]
     fn any_points_are_drawn() {
-        for points in edge_case_curves() {
-            for is_damped in [false, true] {
-                let gaps = [[0.5, 0.7], [2.0, 1.0], [f64::NAN, 1.0], [0.1, f64::INFINITY]];
-                let figure = sample_figure(&points, &gaps, is_damped);
-                check_drawing(&figure.to_picture(), |format| figure.draw(format));
-            }
-        }
+        let check = |points: &[Point], is_damped: bool| {
+            let gaps = [[0.5, 0.7], [2.0, 1.0], [f64::NAN, 1.0], [0.1, f64::INFINITY]];
+            let figure = sample_figure(points, &gaps, is_damped);
+            check_drawing(&figure.to_picture(), |format| figure.draw(format));
+        };
+        // Damped waves have frequencies and, in a panel of their own, decay rates.
+        edge_case_curves().iter().for_each(|points| check(points, true));
+        check(&[[0.0, 0.0], [1.0, 2.0], [3.4, 0.0]], false);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Sequential colour map of fields and verdict maps, interpolation of colour maps, and luminance.
+//! Colours of curves, sequential colour map of fields and verdict maps, interpolation of colour maps, and luminance.
 
 use plotters::style::RGBColor;
 
@@ -16,6 +16,19 @@ pub(crate) const SEQUENTIAL_STOPS: [[f64; 3]; 7] = [
     [58.0, 6.0, 52.0],
 ];
 
+/// Colours of curves, after Okabe and Ito (2008), darkened for lines: any two differ for readers with and without red-green
+/// blindness. In greyscale, dash patterns or numbers distinguish the curves.
+pub(crate) const CURVE_COLOURS: [Colour; 8] = [
+    RGBColor(0, 0, 0),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(0, 138, 100),
+    RGBColor(176, 80, 140),
+    RGBColor(75, 45, 165),
+    RGBColor(70, 150, 205),
+    RGBColor(112, 112, 112),
+];
+
 /// Interpolates the colour at a fraction (0 to 1) of the length of a colour map with equidistant stops.
 pub(crate) fn interpolate_stops(stops: &[[f64; 3]], fraction: f64) -> Colour {
     let position = fraction * (stops.len() - 1) as f64;
@@ -31,3 +44,6 @@ pub(crate) fn interpolate_stops(stops: &[[f64; 3]], fraction: f64) -> Colour {
 pub(crate) fn luminance(RGBColor(red, green, blue): Colour) -> f64 {
     0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
 }
+
+#[cfg(test)]
+mod tests;

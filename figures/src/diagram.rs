@@ -1,7 +1,7 @@
 //! Stress–strain diagrams with arrows in the direction of time, beside energies against time.
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{INK, PALE_INK, Picture, Point, Rectangle, WHITE, clip_polyline, text_width};
@@ -204,12 +204,12 @@ fn place_arrows(line: &[Point], spacing: f64) -> Vec<(Point, Point)> {
 }
 
 impl DiagramFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn to_picture(&self) -> Picture {

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::page::{self, AXIS_NAME_SIZE, Legend, MARGIN, TICK_LABEL_SIZE};
 use crate::picture::{Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle_points};
 
@@ -73,12 +73,12 @@ const LABEL_HEIGHT: f64 = 1.45 * TICK_LABEL_SIZE;
 const LABEL_CLEARANCE: f64 = 32.0;
 
 impl DirectionsFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn finite_directions(&self) -> impl Iterator<Item = &Direction> {
@@ -309,6 +309,7 @@ pub(crate) fn spread_heights(preferred: &[f64], gap: f64, bounds: [f64; 2]) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::FigureFormat;
     use crate::tests::check_drawing;
 
     fn sample_figure(angles: &[f64]) -> DirectionsFigure {

@@ -53,6 +53,16 @@ pub enum FigureError {
     /// The animation could not be written.
     #[error("the animation could not be written: {0}")]
     Gif(#[from] gif::EncodingError),
+    /// A PNG would have more than [`FigureOptions::MAX_PIXELS`](crate::FigureOptions::MAX_PIXELS).
+    #[error(
+        "a picture of {width} × {height} pixels is too large: at most 100 million pixels are drawn"
+    )]
+    TooManyPixels {
+        /// Width, pixels.
+        width: f64,
+        /// Height, pixels.
+        height: f64,
+    },
     /// The drawing library reports an error.
     #[error("drawing failed: {0}")]
     Drawing(String),

@@ -2,8 +2,9 @@
 
 use plotters::style::RGBColor;
 
+use crate::colour::CURVE_COLOURS;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{
     Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline,
@@ -79,16 +80,16 @@ pub(crate) struct LineStyle {
     pub width: f64,
 }
 
-/// Styles of lines; colours after Okabe and Ito (2008), distinguishable by colour-blind readers.
+/// Styles of lines.
 pub(crate) const LINE_STYLES: [LineStyle; 8] = [
-    LineStyle::new(RGBColor(0, 0, 0), &[], LINE_WIDTH),
-    LineStyle::new(RGBColor(213, 94, 0), &[18.0, 8.0], LINE_WIDTH),
-    LineStyle::new(RGBColor(0, 114, 178), &[4.5, 6.0], 4.4),
-    LineStyle::new(RGBColor(0, 138, 100), &[20.0, 6.0, 4.0, 6.0], LINE_WIDTH),
-    LineStyle::new(RGBColor(176, 80, 140), &[], 1.8),
-    LineStyle::new(RGBColor(150, 110, 0), &[34.0, 7.0], 2.6),
-    LineStyle::new(RGBColor(70, 150, 205), &[9.0, 5.0], 5.2),
-    LineStyle::new(RGBColor(112, 112, 112), &[4.0, 5.0, 4.0, 5.0, 16.0, 5.0], LINE_WIDTH),
+    LineStyle::new(CURVE_COLOURS[0], &[], LINE_WIDTH),
+    LineStyle::new(CURVE_COLOURS[1], &[18.0, 8.0], LINE_WIDTH),
+    LineStyle::new(CURVE_COLOURS[2], &[4.5, 6.0], 4.4),
+    LineStyle::new(CURVE_COLOURS[3], &[20.0, 6.0, 4.0, 6.0], LINE_WIDTH),
+    LineStyle::new(CURVE_COLOURS[4], &[], 1.8),
+    LineStyle::new(CURVE_COLOURS[5], &[34.0, 7.0], 2.6),
+    LineStyle::new(CURVE_COLOURS[6], &[9.0, 5.0], 5.2),
+    LineStyle::new(CURVE_COLOURS[7], &[4.0, 5.0, 4.0, 5.0, 16.0, 5.0], LINE_WIDTH),
 ];
 
 impl LineStyle {
@@ -124,12 +125,12 @@ const MARK_LABEL_SIZE: f64 = 22.0;
 const MARK_ROW_HEIGHT: f64 = 1.35 * MARK_LABEL_SIZE;
 
 impl GrowthFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn to_picture(&self) -> Picture {
@@ -435,6 +436,7 @@ fn place_marks(panel: &GrowthPanel, scales: &GrowthScales, frame: Rectangle) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::FigureFormat;
     use crate::tests::{check_drawing, edge_case_curves};
 
     fn sample_panel(x_log: bool, points: &[[f64; 2]], marks: &[f64]) -> GrowthPanel {

@@ -1,7 +1,7 @@
 //! Energy ledger of a simulation against time.
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::record::{RecordFigure, RecordPanel, RecordSeries};
 
 /// A term of the energy ledger, or the residual of the energy balance.
@@ -37,13 +37,13 @@ pub struct LedgerFigure {
 const MIN_FRAME_HEIGHTS: [f64; 2] = [420.0, 120.0];
 
 impl LedgerFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// There are no times, a time is not finite or decreases, a term does not have one value per time, or rendering or
     /// encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_record_figure().draw(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_record_figure().draw(output)
     }
 
     fn to_record_figure(&self) -> RecordFigure<'_> {
@@ -103,13 +103,16 @@ mod tests {
 
     #[test]
     fn ledgers_of_all_kinds_are_drawn() {
-        for (terms, samples) in [(0, 1), (1, 1), (7, 400), (9, 30), (3, 200_000)] {
-            for size in [0.0, 1e-13, 0.03, f64::NAN] {
-                check_figure(
-                    &sample_figure(terms, samples, |time| size * (40.0 * time).sin())
-                        .to_record_figure(),
-                );
-            }
+        let check = |terms: usize, samples: usize, size: f64| {
+            let figure = sample_figure(terms, samples, |time| size * (40.0 * time).sin());
+            check_figure(&figure.to_record_figure());
+        };
+        for (terms, samples) in [(0, 1), (9, 30), (3, 200_000)] {
+            check(terms, samples, 0.03);
+        }
+        for size in [0.0, 1e-13, 0.03, f64::NAN] {
+            check(1, 1, size);
+            check(7, 400, size);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Page with a note in place of a figure.
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::page::{self, MARGIN};
 use crate::picture::{Anchor, INK, Picture, Text};
 
@@ -22,12 +22,12 @@ const FONT_SIZE: f64 = 30.0;
 const MAX_LINES: usize = 12;
 
 impl NoteFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn to_picture(&self) -> Picture {
@@ -48,6 +48,7 @@ impl NoteFigure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::FigureFormat;
     use crate::tests::png_size;
 
     #[test]

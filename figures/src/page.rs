@@ -88,7 +88,8 @@ pub(crate) fn fit_text(text: &str, size: f64, width: f64) -> (String, f64) {
 /// Creates a picture of figure width and `height` pixels with title and subtitle.
 pub(crate) fn create_page(height: f64, title: &str, subtitle: &str) -> Picture {
     let mut picture = Picture::new(WIDTH as u32, height as u32);
-    draw_heading(&mut picture, title, subtitle);
+    let bottom = draw_heading(&mut picture, title, subtitle);
+    picture.end_heading(bottom - MARGIN);
     picture
 }
 

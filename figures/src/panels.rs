@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LINE_WIDTH, LabelledCurve, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{Colour, INK, Picture, Rectangle, clip_polyline};
@@ -45,12 +45,12 @@ const PANEL_HEIGHT: f64 = 400.0;
 const COLUMN_GAP: f64 = 30.0;
 
 impl PanelsFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn to_picture(&self) -> Picture {

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{
@@ -213,9 +213,9 @@ fn decimate(
 }
 
 impl RecordFigure<'_> {
-    /// Renders the figure in a file format and returns the bytes of the file.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture()?.render(format)
+    /// Renders the figure and returns the bytes of the file.
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture()?.render(output)
     }
 
     fn validate(&self) -> Result<(), FigureError> {
@@ -469,6 +469,7 @@ fn draw_line(picture: &mut Picture, style: LineStyle, parts: &[Vec<Point>], fram
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::format::FigureFormat;
     use crate::tests::check_drawing;
 
     /// Checks a figure of records as [`check_drawing`] does.

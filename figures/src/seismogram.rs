@@ -1,7 +1,7 @@
 //! Seismograms: recorded quantities at receivers against time.
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::record::{RecordFigure, RecordPanel, RecordSeries};
 
 /// Trace of one quantity at one receiver.
@@ -44,13 +44,13 @@ pub struct SeismogramFigure {
 const MIN_PANEL_HEIGHT: f64 = 110.0;
 
 impl SeismogramFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// There are no times, a time is not finite or decreases, a trace does not have one value per time, or rendering or
     /// encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_record_figure().draw(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_record_figure().draw(output)
     }
 
     fn to_record_figure(&self) -> RecordFigure<'_> {
@@ -74,6 +74,7 @@ impl SeismogramFigure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::FigureFormat;
     use crate::record::tests::{check_figure, picture_texts};
 
     fn sample_figure(

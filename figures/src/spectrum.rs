@@ -2,7 +2,7 @@
 
 use crate::dispersion::draw_ring;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LabelledCurve, LineStyle, build_line_entries};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
 use crate::picture::{INK, Picture, Rectangle, clip_polyline};
@@ -32,12 +32,12 @@ pub struct SpectrumFigure {
 const MAX_DECADES: f64 = 14.0;
 
 impl SpectrumFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn to_picture(&self) -> Picture {
@@ -142,6 +142,7 @@ fn axis_range(places: impl Iterator<Item = f64>) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::FigureFormat;
     use crate::tests::png_size;
 
     fn sample_figure(times: usize, value: impl Fn(f64, usize) -> f64) -> SpectrumFigure {

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::LineStyle;
 use crate::page::LegendEntry;
 use crate::picture::{Colour, PALE_INK, Picture, Point, Rectangle, WHITE};
@@ -86,12 +86,12 @@ const IMAGINARY_RAY_COLOUR: Colour = RGBColor(150, 158, 186);
 const MIN_SECTOR_WIDTH: f64 = 0.4;
 
 impl SpeedsFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     fn spokes(&self) -> Vec<Spoke> {

@@ -1,6 +1,6 @@
 //! `wellposed cases`: lists, prints and copies the cases shipped with the program.
 
-use super::folder::{OutputError, write_file};
+use super::folder::{OutputError, create_folder, write_file};
 use super::new::check_new_file;
 use crate::case::{CASES, Case, find_bundled_case, suggest_bundled_case};
 use crate::cli::CommandError;
@@ -32,6 +32,11 @@ pub fn show_case(name: &str, stdout: &mut dyn Write) -> Result<(), CommandError>
     Ok(stdout.write_all(text.as_bytes())?)
 }
 
+/// Replaces the remedy of an error of writing by the option of this verb.
+fn name_copy_option(error: OutputError) -> OutputError {
+    OutputError { remedy: "name a folder that can be written to with --copy DIR", ..error }
+}
+
 /// Copies all cases to a folder, in subfolders as in the list, and prints the number of files.
 ///
 /// # Errors
@@ -48,9 +53,9 @@ pub fn copy_cases(folder: &Path, force: bool, stdout: &mut dyn Write) -> Result<
     changed.try_for_each(|(path, _)| check_new_file(&path, force))?;
     for (path, text) in files().filter(|(path, text)| !is_same(path, text)) {
         if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(|error| OutputError::new(parent, error))?;
+            create_folder(parent).map_err(name_copy_option)?;
         }
-        write_file(&path, text)?;
+        write_file(&path, text).map_err(name_copy_option)?;
     }
     writeln!(stdout, "{} cases in {}", CASES.len(), folder.display())?;
     Ok(())

@@ -1,17 +1,19 @@
 //! `wellposed check`: compares predicted with measured waves, for a case or for all cases in a folder.
 
 use super::load::print_hints;
-use super::progress::run_with_progress;
-use super::verdict::print_solid_verdict;
+use super::progress::{
+    DelayedProgressBar, ESTIMATE_TIME, estimate_time, estimate_time_within,
+    run_in_series_with_progress, run_with_progress,
+};
 use super::write::{
-    CostEstimate, list_planned_paths, print_plan, print_report, write_report_files,
+    CostEstimate, list_planned_paths, print_plan, print_report, select_folder, write_report_files,
 };
 use crate::case::Case;
-use crate::cli::folder::{self, OutputError, ResultFolder};
+use crate::cli::folder::{self, OutputError};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::SCHEMA_VERSION;
-use crate::report::check::{DISAGREES, format_scientific, format_unmeasured_count};
+use crate::report::check::{format_scientific, format_unmeasured_count};
 use crate::report::format::format_count;
 use crate::setup::check::CheckPlan;
 use crate::study;
@@ -20,6 +22,10 @@ use rayon::ThreadPool;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Time for the estimates of all cases of a folder, unless single steps of their checks take longer.
+const FOLDER_ESTIMATE_TIME: Duration = Duration::from_secs(3);
 
 /// Runs the verb `check` on a case, or on all cases in a folder.
 ///
@@ -43,40 +49,29 @@ fn check_case(
     let case = Case::load(&options.case_path, &options.settings)?;
     print_hints(&case);
     let plan = CheckPlan::new(&case, CheckExtent::Full)?;
-    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let folder = select_folder(&case, options)?;
     if options.is_dry_run {
         // The two pictures of a refinement are the last entries of `CHECK_FILES`.
         let refines =
             matches!(&plan, CheckPlan::Flow(flow) if !flow.refined_point_counts.is_empty());
         let count = if refines { folder::CHECK_FILES.len() } else { folder::CHECK_FILES.len() - 2 };
-        let paths = list_planned_paths(&folder, &folder::CHECK_FILES[..count]);
-        return print_plan(
-            &describe_plan(&plan),
-            &paths,
-            CostEstimate::default(),
-            options.format,
-            stdout,
-        );
+        let paths = list_planned_paths(&folder, &folder::CHECK_FILES[..count], &options.pictures);
+        let seconds = estimate_time(pool, |on_progress| {
+            study::check_agreement(&case, CheckExtent::Full, on_progress)
+        })?;
+        let estimate = CostEstimate::from_seconds(seconds);
+        return print_plan(&describe_plan(&plan), &paths, estimate, options.format, stdout);
     }
-    print_solid_verdict(&case);
-    let found = check_with_progress(&case, CheckExtent::Full, pool)?;
-    let rendered = write_report_files(&found, &case, &folder)?;
+    let found = run_with_progress(pool, "check", |on_progress| {
+        study::check_agreement(&case, CheckExtent::Full, on_progress)
+    })?;
+    let rendered = write_report_files(&found, &case, &folder, &options.pictures)?;
     match options.only_disagreeing && options.format == OutputFormat::Text {
-        true => stdout.write_all(select_disagreements(rendered.text()).as_bytes())?,
-        false => print_report(&rendered, &folder, options.format, stdout)?,
+        true => stdout.write_all(found.render_disagreements(&case).as_bytes())?,
+        false => print_report(&rendered, &folder, &options.pictures, options.format, stdout)?,
     }
     let [all, failed] = found.item_and_failure_counts();
     fail_on_disagreement(failed, all, "rows")
-}
-
-fn check_with_progress(
-    case: &Case,
-    extent: CheckExtent,
-    pool: &ThreadPool,
-) -> Result<CheckResult, crate::Error> {
-    run_with_progress(pool, "check", |on_progress| {
-        study::check_agreement(case, extent, on_progress)
-    })
 }
 
 /// Describes the planned measurements for a dry run.
@@ -88,7 +83,7 @@ fn describe_plan(plan: &CheckPlan) -> String {
                 0 => String::new(),
                 count => format!(", and Bloch waves in {count} media of blocks and joints"),
             };
-            format!("send all branches at {}{of_blocks}", format_count(count, "wave vector"))
+            format!("measure all branches at {}{of_blocks}", format_count(count, "wave vector"))
         }
         CheckPlan::Equations(count) => {
             format!(
@@ -111,28 +106,6 @@ fn describe_plan(plan: &CheckPlan) -> String {
             format!("follow waves of {}{grids}", format_count(flow.waves.len(), "wave vector"))
         }
     }
-}
-
-/// Returns the title, the rows that disagree below their wave vectors, and the summaries of a report.
-fn select_disagreements(text: &str) -> String {
-    let mut selected = String::new();
-    let mut wave_vector = None;
-    for (index, line) in text.lines().enumerate() {
-        if line.starts_with("k = ") {
-            wave_vector = Some(line);
-            continue;
-        }
-        let is_row = line.ends_with(DISAGREES);
-        let is_summary = line.contains("maximum error") || line.starts_with("not measurable");
-        if index == 0 || is_row || is_summary {
-            let heading = wave_vector.take_if(|_| is_row && line.starts_with(' '));
-            for line in heading.into_iter().chain([line]) {
-                selected += line;
-                selected.push('\n');
-            }
-        }
-    }
-    selected
 }
 
 fn fail_on_disagreement(
@@ -162,39 +135,74 @@ fn check_folder(
     }
     if options.is_dry_run {
         let plan = format!("check {} and write nothing", format_count(files.len(), "case"));
-        return print_plan(&plan, &[], CostEstimate::default(), options.format, stdout);
+        let estimate = CostEstimate::from_seconds(estimate_folder(options, pool, &files)?);
+        return print_plan(&plan, &[], estimate, options.format, stdout);
     }
-    let (mut list, mut failed, mut all) = (Vec::new(), 0, 0);
-    for path in files {
-        let case = Case::load(&path, &options.settings)?;
-        print_hints(&case);
+    let progress = DelayedProgressBar::new("check", 1);
+    let mut summaries = Vec::new();
+    for (index, path) in files.iter().enumerate() {
+        let case = Case::load(path, &options.settings)?;
+        progress.hide_during(|| print_hints(&case));
         let name = path.display().to_string();
-        let line = match check_with_progress(&case, CheckExtent::Short, pool) {
+        let place = [index as u64, files.len() as u64];
+        let found = run_in_series_with_progress(pool, &progress, place, |on_progress| {
+            study::check_agreement(&case, CheckExtent::Short, on_progress)
+        });
+        let summary = match found {
             Ok(found) => CaseCheckSummary::from_result(&name, &found),
             Err(crate::Error::Case(error)) => CaseCheckSummary {
                 text: format!("FAILS: {error}"),
                 json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
                 is_in_agreement: Some(false),
+                error: f64::INFINITY,
             },
             Err(error) => return Err(error.into()),
         };
-        all += usize::from(line.is_in_agreement.is_some());
-        failed += usize::from(line.is_in_agreement == Some(false));
-        let is_printed = !options.only_disagreeing || line.is_in_agreement == Some(false);
-        if options.format == OutputFormat::Text && is_printed {
-            writeln!(stdout, "{name:<56} {}", line.text)?;
-            stdout.flush()?;
+        let text = format!("{name:<56} {}", summary.text);
+        if options.format == OutputFormat::Text && !options.only_disagreeing {
+            progress.hide_during(|| writeln!(stdout, "{text}").and_then(|()| stdout.flush()))?;
         }
-        list.push(line.json);
+        summaries.push(CaseCheckSummary { text, ..summary });
     }
+    drop(progress);
+    let all = summaries.iter().filter(|own| own.is_in_agreement.is_some()).count();
+    let failed = summaries.iter().filter(|own| own.is_in_agreement == Some(false)).count();
     if options.format == OutputFormat::Json {
-        writeln!(
-            stdout,
-            "{:#}",
-            json!({ "schema": SCHEMA_VERSION, "agrees": failed == 0, "cases": list })
-        )?;
+        let list: Vec<Value> = summaries.into_iter().map(|own| own.json).collect();
+        let report = json!({ "schema": SCHEMA_VERSION, "agrees": failed == 0, "cases": list });
+        writeln!(stdout, "{report:#}")?;
+    } else if options.only_disagreeing {
+        summaries.retain(|own| own.is_in_agreement == Some(false));
+        summaries.sort_by(|one, other| other.error.total_cmp(&one.error));
+        for own in summaries {
+            writeln!(stdout, "{}", own.text)?;
+        }
     }
     fail_on_disagreement(failed, all, "cases")
+}
+
+/// Estimates the wall time of the check of a folder, s, as the sum over its cases.
+fn estimate_folder(
+    options: &Options,
+    pool: &ThreadPool,
+    files: &[PathBuf],
+) -> Result<f64, CommandError> {
+    // The more cases, the shorter the estimate of each.
+    let limit = ESTIMATE_TIME.min(FOLDER_ESTIMATE_TIME / files.len() as u32);
+    let mut seconds = 0.0;
+    for path in files {
+        let case = Case::load(path, &options.settings)?;
+        let estimate = estimate_time_within(pool, limit, |on_progress| {
+            study::check_agreement(&case, CheckExtent::Short, on_progress)
+        });
+        match estimate {
+            Ok(own) => seconds += own,
+            // The check of a folder goes on with the next case.
+            Err(crate::Error::Case(_)) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(seconds)
 }
 
 /// Result of the check of one case of a folder, as a line of text and as JSON.
@@ -203,6 +211,8 @@ struct CaseCheckSummary {
     json: Value,
     /// Whether all measurements of the case agree; false for an invalid case; `None` if no solver supports the case.
     is_in_agreement: Option<bool>,
+    /// Largest relative error; infinite for an invalid case.
+    error: f64,
 }
 
 impl CaseCheckSummary {
@@ -210,7 +220,7 @@ impl CaseCheckSummary {
         if let CheckOutcome::NotMeasurable { reason } = &found.outcome {
             let text = format!("not measurable: {reason}");
             let json = json!({ "case": name, "not_measurable": reason });
-            return Self { text, json, is_in_agreement: None };
+            return Self { text, json, is_in_agreement: None, error: 0.0 };
         }
         let ([rows, wrong], greatest) =
             (found.item_and_failure_counts(), found.max_relative_difference());
@@ -241,6 +251,7 @@ impl CaseCheckSummary {
                 "greatest_difference": greatest,
             }),
             is_in_agreement: Some(is_in_agreement),
+            error: greatest.unwrap_or(0.0),
         }
     }
 }
@@ -261,18 +272,4 @@ fn collect_case_files(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Out
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_that_disagree_keep_their_wave_vector() {
-        let text = "title\nmedium\n\nk = 1 1/m at 0°\n  first  agrees\n  second  DISAGREES\n  third  DISAGREES\n\
-                    k = 2 1/m at 0°\n  first  agrees\n\n4 waves, maximum error 1.0e-3: 2 DISAGREE\n";
-        let expected = "title\nk = 1 1/m at 0°\n  second  DISAGREES\n  third  DISAGREES\n\
-                        4 waves, maximum error 1.0e-3: 2 DISAGREE\n";
-        assert_eq!(select_disagreements(text), expected);
-    }
 }

@@ -6,10 +6,13 @@ use super::folder::{
 use super::load::print_hints;
 use super::progress::DelayedProgressBar;
 use super::run::read_records;
-use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
+use super::write::{
+    CostEstimate, list_planned_paths, print_plan, print_report, refuse_or_warn, write_report_files,
+};
 use super::{CommandError, OutputFormat};
 use crate::case::Case;
 use crate::report;
+use crate::report::PictureOptions;
 use crate::report::format::format_count;
 use crate::study::compare::{Comparison, ComparisonResult};
 use crate::study::simulate::OutputFields;
@@ -34,6 +37,8 @@ pub struct CompareOptions {
     pub force: bool,
     /// Whether to check the folders and describe the work only, writing nothing.
     pub is_dry_run: bool,
+    /// Which pictures are drawn, and how.
+    pub pictures: PictureOptions,
 }
 
 /// Finished run to be compared.
@@ -60,6 +65,7 @@ pub fn run_compare(options: &CompareOptions, stdout: &mut dyn Write) -> Result<(
     let default_name = [first, second].map(|folder| folder_name(folder)).join("-");
     let out = options.output_folder.clone().unwrap_or(Path::new("out").join(default_name));
     let folder = ResultFolder::from_case(&runs[0].case, Some(&out), options.force)?;
+    refuse_or_warn(folder.check_other_results(), options.is_dry_run)?;
     let progress = DelayedProgressBar::new("compare", counts[0] as u64);
     let start = Instant::now();
     for index in 0..counts[0] {
@@ -69,7 +75,7 @@ pub fn run_compare(options: &CompareOptions, stdout: &mut dyn Write) -> Result<(
             // All pairs are equally large.
             let seconds = start.elapsed().as_secs_f64() * counts[0] as f64;
             let plan = format!("compare {} of snapshots", format_count(counts[0], "pair"));
-            let paths = list_planned_paths(&folder, &COMPARISON_FILES);
+            let paths = list_planned_paths(&folder, &COMPARISON_FILES, &options.pictures);
             let estimate = CostEstimate::from_seconds(seconds);
             return print_plan(&plan, &paths, estimate, options.format, stdout);
         }
@@ -80,7 +86,8 @@ pub fn run_compare(options: &CompareOptions, stdout: &mut dyn Write) -> Result<(
     let [first, second] = ledgers;
     let found = comparison.finish([&first?.ledger, &second?.ledger]);
     check_earlier_comparison(&folder, &found, options.force)?;
-    write_report(&found, &runs[0].case, &folder, options.format, stdout)
+    let rendered = write_report_files(&found, &runs[0].case, &folder, &options.pictures)?;
+    print_report(&rendered, &folder, &options.pictures, options.format, stdout)
 }
 
 /// Checks that a comparison that exists in the folder is one with the same second run.

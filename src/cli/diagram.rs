@@ -1,9 +1,11 @@
 //! `wellposed diagram`: computes the uniaxial diagram of a rheological scheme.
 
 use super::load::print_hints;
-use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
+use super::progress::run_with_progress;
+use super::write::{CostEstimate, list_planned_paths, print_plan, select_folder, write_report};
 use crate::case::Case;
-use crate::cli::folder::{self, ResultFolder};
+use crate::cli::folder;
+use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
 use crate::study;
 use std::io::Write;
@@ -18,13 +20,14 @@ pub fn run_diagram(options: &Options, stdout: &mut dyn Write) -> Result<(), Comm
     let case = Case::load(&options.case_path, &options.settings)?;
     print_hints(&case);
     let start = Instant::now();
-    let found = study::compute_diagram(&case)?;
-    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let pool = create_thread_pool(options.thread_count)?;
+    let found = run_with_progress(&pool, "diagram", |_| study::compute_diagram(&case))?;
+    let folder = select_folder(&case, options)?;
     if options.is_dry_run {
         let plan = format!("follow the load path in {} steps", found.steps);
-        let paths = list_planned_paths(&folder, &folder::DIAGRAM_FILES);
+        let paths = list_planned_paths(&folder, &folder::DIAGRAM_FILES, &options.pictures);
         let estimate = CostEstimate::from_seconds(start.elapsed().as_secs_f64());
         return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
-    write_report(&found, &case, &folder, options.format, stdout)
+    write_report(&found, &case, &folder, options, stdout)
 }

@@ -214,8 +214,9 @@ fn add_case_position(all: &mut Value, error: &CaseError) {
             all["allowed"] = "a case file, or the name of a bundled case".into();
             return;
         }
-        CaseError::Syntax { position, cause } => {
+        CaseError::Syntax { position, cause, remedy } => {
             all["found"] = cause.as_str().into();
+            all["allowed"] = (*remedy).into();
             position
         }
         CaseError::Key { position, key, found, allowed } => {

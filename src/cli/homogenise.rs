@@ -5,7 +5,7 @@ use super::new::check_new_file;
 use super::write::{CostEstimate, print_plan};
 use super::{CommandError, Options, OutputFormat};
 use crate::case::ContinuumOptions;
-use crate::cli::folder::write_file;
+use crate::cli::folder::{OutputError, create_folder, write_file};
 use crate::report::{self, Report};
 use crate::study;
 use std::io::Write;
@@ -34,11 +34,7 @@ pub fn run_homogenise(
         let estimate = CostEstimate::from_seconds(start.elapsed().as_secs_f64());
         return print_plan(plan, &[name], estimate, options.format, stdout);
     }
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| super::folder::OutputError::new(folder, error))?;
-    }
-    write_file(&path, found.continuum_case.toml.as_bytes())?;
+    write_in_new_folder(&path, found.continuum_case.toml.as_bytes())?;
     found.written_path = Some(name.clone());
     match options.format {
         OutputFormat::Json => writeln!(stdout, "{:#}", report::to_json(&found)?)?,
@@ -48,6 +44,21 @@ pub fn run_homogenise(
         }
     }
     Ok(())
+}
+
+/// Writes a file into a folder that is created if necessary. If the file cannot be written, no created folder is left.
+fn write_in_new_folder(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let created: Vec<&Path> =
+        folder.iter().flat_map(|own| own.ancestors()).take_while(|own| !own.exists()).collect();
+    let written = folder.map_or(Ok(()), create_folder).and_then(|()| write_file(path, bytes));
+    if written.is_err() {
+        for own in created {
+            // Only empty folders are removed.
+            let _ = std::fs::remove_dir(own);
+        }
+    }
+    written
 }
 
 /// Returns the path of the file to write, from the value of the option `--out` and the name of the case.

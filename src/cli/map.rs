@@ -2,8 +2,8 @@
 
 use super::load::load_case;
 use super::progress::{estimate_time, run_with_progress};
-use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
-use crate::cli::folder::{self, ResultFolder};
+use super::write::{CostEstimate, list_planned_paths, print_plan, select_folder, write_report};
+use crate::cli::folder;
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
 use crate::report::format::format_count;
@@ -24,7 +24,7 @@ pub fn run_map(
     let case = load_case(options)?;
     case.check_without_contacts()?;
     let map = *case.require_map()?;
-    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let folder = select_folder(&case, options)?;
     let states = map.x.point_count * map.y.point_count;
     if options.is_dry_run {
         let pool = create_thread_pool(options.thread_count)?;
@@ -36,12 +36,12 @@ pub fn run_map(
         })?;
         let plan = format!("assess {}: {} × {}", format_count(states, "state"), map.x, map.y);
         let estimate = CostEstimate::from_seconds(seconds);
-        let paths = list_planned_paths(&folder, &folder::MAP_FILES);
+        let paths = list_planned_paths(&folder, &folder::MAP_FILES, &options.pictures);
         return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
     let pool = create_thread_pool(options.thread_count)?;
     let found = run_with_progress(&pool, "assessing states", |on_progress| {
         study::compute_map(&case, map_options, on_progress)
     })?;
-    write_report(&found, &case, &folder, options.format, stdout)
+    write_report(&found, &case, &folder, options, stdout)
 }

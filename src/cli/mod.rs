@@ -21,7 +21,6 @@ mod run;
 mod shocks;
 pub mod signals;
 mod speeds;
-mod verdict;
 mod verify;
 mod write;
 

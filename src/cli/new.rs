@@ -2,6 +2,7 @@
 
 use crate::case::{MediumKind, ModelKind};
 use crate::cli::folder::{OutputError, write_file};
+use crate::cli::{CommandError, UsageError};
 use models::registry;
 use std::path::{Path, PathBuf};
 
@@ -10,37 +11,42 @@ pub use crate::case::template::{TemplateKind, generate_state_template, generate_
 /// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`; returns the path.
 ///
 /// # Errors
-/// The file exists and `force` is not set, the path exists and is not a regular file, nothing determines the spin in a
-/// simulation of the model, or the file cannot be written.
+/// The model has no template for `purpose`, the file exists and `force` is not set, the path exists and is not a regular
+/// file, or the file cannot be written.
 pub fn write_template(
     medium: MediumKind,
     purpose: TemplateKind,
     file: Option<&Path>,
     force: bool,
-) -> Result<PathBuf, OutputError> {
+) -> Result<PathBuf, CommandError> {
     let path = file.map_or_else(|| format!("{}.toml", medium.kind.name()).into(), Path::to_owned);
-    check_new_file(&path, force)?;
-    let is_free =
-        matches!(medium.kind, ModelKind::Flow(_)) && medium.kind.simulation_rotation().is_none();
-    if purpose == TemplateKind::Simulation && is_free {
-        return Err(OutputError {
-            path,
-            cause: format!(
-                "{} leaves the spin undetermined and cannot be run in time",
-                medium.kind.name()
-            ),
-            remedy: "leave --run out, or name another kind",
-        });
+    let usage_error = |argument: &str, found: String, allowed: &str| UsageError {
+        argument: argument.to_owned(),
+        found,
+        allowed: allowed.to_owned(),
+    };
+    let name = medium.kind.name();
+    let is_simulation = purpose == TemplateKind::Simulation;
+    if is_simulation && !matches!(medium.kind, ModelKind::Flow(_) | ModelKind::Solid(_)) {
+        let found = format!("found for {name}, which wellposed run does not solve");
+        return Err(usage_error("--run", found, "leave --run out, or name another kind").into());
+    }
+    if is_simulation
+        && matches!(medium.kind, ModelKind::Flow(_))
+        && medium.kind.simulation_rotation().is_none()
+    {
+        let found = format!("found for {name}, which leaves the spin undetermined");
+        return Err(usage_error("--run", found, "leave --run out, or name another kind").into());
     }
     let is_plane_wave =
         matches!(purpose, TemplateKind::GranularPlaneWave | TemplateKind::PorousPlaneWave);
     if is_plane_wave && medium != MediumKind::from(ModelKind::Solid(registry::CLASSICAL)) {
-        return Err(OutputError {
-            path,
-            cause: format!("found --shocks for {}", medium.title()),
-            remedy: "name the kind classical without --yield",
-        });
+        let found = format!("found for {}", medium.title());
+        return Err(
+            usage_error("--shocks", found, "name the kind classical without --yield").into()
+        );
     }
+    check_new_file(&path, force)?;
     write_file(&path, generate_template(medium, purpose).as_bytes())?;
     Ok(path)
 }

@@ -1,6 +1,7 @@
 //! Command line options of the verbs.
 
 use super::CommandError;
+use crate::report::PictureOptions;
 use std::path::PathBuf;
 
 /// Command line options of the verbs that run a case.
@@ -25,6 +26,8 @@ pub struct Options {
     pub accept_ill_posed: bool,
     /// Whether `check` prints only what disagrees.
     pub only_disagreeing: bool,
+    /// Which pictures are drawn, and how.
+    pub pictures: PictureOptions,
 }
 
 /// Format in which a verb prints its report.

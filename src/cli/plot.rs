@@ -1,26 +1,65 @@
-//! `wellposed plot`: redraws the pictures of a finished run from its result files.
+//! `wellposed plot`: redraws the pictures of a results folder from its files.
 
 use super::load::print_hints;
+use super::progress::run_with_progress;
 use super::run::{ANIMATION_FILE, AnimationOutput, draw_animation, read_records};
-use crate::case::TimeDomainRun;
+use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
-    AppendedFile, JOINT_ARCHIVE_FILE, OutputError, ResultFolder, SNAPSHOT_LIST_FILE,
+    AppendedFile, JOINT_ARCHIVE_FILE, OutputError, Publication, ResultFolder, SNAPSHOT_LIST_FILE,
     has_joint_files, is_snapshot_name,
 };
-use crate::report;
+use crate::cli::options::create_thread_pool;
+use crate::report::{self, PictureOptions, RenderedReport, Report};
+use crate::study::check::CheckExtent;
+use crate::study::{self, MapOptions, ProgressCallback};
+use analysis::flows::Route;
+use rayon::ThreadPool;
+use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
 
 /// File name of the archive of the final fields.
 const FIELDS_ARCHIVE_FILE: &str = "fields.npz";
 
-/// Runs the verb `plot`: redraws the pictures of a finished run.
+/// Verbs whose pictures follow from the case alone.
+const STUDIES: [&str; 7] = ["map", "point", "dispersion", "diagram", "speeds", "shocks", "check"];
+
+/// Runs the verb `plot`: redraws the pictures of all results in a folder from the files of the folder. A run is redrawn
+/// from its fields and tables. Other results are computed again from `case.toml`, since they take little time, and must
+/// be those of the folder.
 ///
 /// # Errors
-/// The folder holds no finished run, its case was changed in more than the plot options, or a result file is damaged or
-/// cannot be read or written.
-pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), CommandError> {
+/// The folder holds no finished results, its case was changed in more than the plot options, a result file is damaged,
+/// cannot be read or written, or is not what this program computes.
+pub fn plot(
+    path: &Path,
+    options: &PictureOptions,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let has_results = |verb: &&str| path.join(format!("{verb}.json")).exists();
+    let studies: Vec<&str> = STUDIES.into_iter().filter(has_results).collect();
+    let mut names = Vec::new();
+    if has_results(&"run") || studies.is_empty() {
+        names.extend(plot_run(path, options)?);
+    }
+    if !studies.is_empty() {
+        let (folder, case) = ResultFolder::open_study(path)?;
+        print_hints(&case);
+        let redrawing = Redrawing { folder: &folder, case: &case, options };
+        let pool = create_thread_pool(None)?;
+        for verb in studies {
+            names.extend(redrawing.redraw_study(verb, &pool)?);
+        }
+    }
+    for name in names {
+        writeln!(stdout, "picture: {}", path.join(name).display())?;
+    }
+    Ok(())
+}
+
+/// Redraws the pictures of a run; returns the name of the first.
+fn plot_run(path: &Path, options: &PictureOptions) -> Result<Option<String>, CommandError> {
     let (folder, case) = ResultFolder::open_finished_run(path)?;
     print_hints(&case);
     folder.check_files(|name| {
@@ -46,16 +85,100 @@ pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), CommandError> {
             .map_err(|error| OutputError::from_invalid_content(&archive, error))?;
     }
     let pictures = report::run::create_pictures(&case, &fields, &read_records(&case, &folder)?)?;
-    let mut publication = folder.start_redrawing();
-    report::draw_pictures(&pictures, |name, bytes| {
-        publication.stage_file(name, bytes).map_err(CommandError::from)
-    })?;
-    match draw_animation(&case, &folder)? {
+    let mut publication = folder.start_redrawing("run");
+    stage_pictures(&mut publication, &pictures, options)?;
+    match draw_animation(&case, &folder, options)? {
         AnimationOutput::NoAnimation => {}
         AnimationOutput::AllZero => publication.schedule_removal(ANIMATION_FILE),
         AnimationOutput::Gif(bytes) => publication.stage_file(ANIMATION_FILE, &bytes)?,
     }
     publication.publish()?;
-    writeln!(stdout, "picture: {}", folder.path().join("run.png").display())?;
-    Ok(())
+    Ok(options.file_names("run").next())
+}
+
+fn stage_pictures(
+    publication: &mut Publication,
+    pictures: &[report::ReportPicture],
+    options: &PictureOptions,
+) -> Result<(), CommandError> {
+    report::draw_pictures(pictures, options, |name, bytes| {
+        publication.stage_file(name, bytes).map_err(CommandError::from)
+    })
+}
+
+/// Folder with results of studies, whose pictures are redrawn.
+struct Redrawing<'a> {
+    folder: &'a ResultFolder,
+    case: &'a Case,
+    options: &'a PictureOptions,
+}
+
+impl Redrawing<'_> {
+    /// Computes the results of a verb again and draws their pictures; returns the name of the first.
+    fn redraw_study(&self, verb: &str, pool: &ThreadPool) -> Result<Option<String>, CommandError> {
+        let case = self.case;
+        match verb {
+            "map" => {
+                let options = self.read_map_options()?;
+                self.redraw(pool, |progress| study::compute_map(case, options, progress))
+            }
+            "point" => self.redraw(pool, |progress| study::analyse_point(case, progress)),
+            "dispersion" if case.has_joints() => {
+                self.redraw(pool, |progress| study::compute_bloch_waves(case, progress))
+            }
+            "dispersion" => self.redraw(pool, |progress| study::compute_dispersion(case, progress)),
+            "diagram" => self.redraw(pool, |_| study::compute_diagram(case)),
+            "speeds" => self.redraw(pool, |progress| study::compute_speeds(case, progress)),
+            "shocks" => self.redraw(pool, |_| study::compute_shocks(case)),
+            _ => self
+                .redraw(pool, |progress| study::check_agreement(case, CheckExtent::Full, progress)),
+        }
+    }
+
+    fn redraw<R: Report + Send>(
+        &self,
+        pool: &ThreadPool,
+        compute: impl FnOnce(ProgressCallback) -> Result<R, crate::Error> + Send,
+    ) -> Result<Option<String>, CommandError> {
+        let found = run_with_progress(pool, R::NAME, compute)?;
+        let path = self.folder.path().join(format!("{}.json", R::NAME));
+        let rendered = RenderedReport::new(&found, self.case)?;
+        // Texts, since numbers may change by a unit in the last place when they are parsed.
+        if self.read(&path)? != rendered.json().as_bytes() {
+            return Err(OutputError {
+                path,
+                cause: "not what this version of the program computes from case.toml".to_owned(),
+                remedy: "compute it again with --force",
+            }
+            .into());
+        }
+        let pictures = rendered.pictures();
+        let mut publication = self.folder.start_redrawing(R::NAME);
+        stage_pictures(&mut publication, pictures, self.options)?;
+        publication.publish()?;
+        let first = pictures.first().map(report::ReportPicture::file_stem);
+        Ok(first.and_then(|stem| self.options.file_names(stem).next()))
+    }
+
+    fn read(&self, path: &Path) -> Result<Vec<u8>, OutputError> {
+        files::read_regular_file(path).map_err(|error| OutputError::from_read_error(path, &error))
+    }
+
+    /// Determines the options with which the map was computed from its table and its report. Without a verdict by closed
+    /// form, the map is the one with all verdicts from the linearised equations.
+    fn read_map_options(&self) -> Result<MapOptions, OutputError> {
+        let table = self.folder.path().join("map.csv");
+        let bytes = self.read(&table)?;
+        let text = String::from_utf8_lossy(&bytes);
+        let header = text.lines().next().unwrap_or_default();
+        let has_column = |name: &str| header.split(',').any(|column| column == name);
+        let path = self.folder.path().join("map.json");
+        let map: Value = serde_json::from_slice(&self.read(&path)?)
+            .map_err(|error| OutputError::from_invalid_content(&path, error))?;
+        Ok(MapOptions {
+            computes_bound: has_column("bound"),
+            computes_growth_rate: has_column("growth_rate"),
+            is_model_blind: map["route"][Route::ClosedForm.name()] == 0,
+        })
+    }
 }

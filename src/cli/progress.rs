@@ -19,17 +19,36 @@ pub(super) const PROGRESS_LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// Interval at which a thread checks whether a progress line is due.
 const LINE_CHECK_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Runs a study on the threads of a pool and shows its progress with the label `name`. Where standard error is not a
-/// terminal, another thread prints the lines that become due while the study reports no progress; if that thread cannot
-/// be started, only reports of the study print lines.
+/// Number of steps of one of several studies in a common progress display.
+const STEPS_PER_STUDY: u64 = 1000;
+
+/// Runs a study on the threads of a pool and shows its progress with the label `name`, see
+/// [`run_in_series_with_progress`].
 pub fn run_with_progress<T: Send>(
     pool: &ThreadPool,
     name: &'static str,
     study: impl FnOnce(ProgressCallback) -> T + Send,
 ) -> T {
-    let progress = DelayedProgressBar::new(name, 1);
+    run_in_series_with_progress(pool, &DelayedProgressBar::new(name, 1), [0, 1], study)
+}
+
+/// Runs the study `index` of `count` studies on the threads of a pool and shows their common progress. Where standard
+/// error is not a terminal, another thread prints the lines that become due while the study reports no progress; if that
+/// thread cannot be started, only reports of the study print lines.
+pub fn run_in_series_with_progress<T: Send>(
+    pool: &ThreadPool,
+    progress: &DelayedProgressBar,
+    [index, count]: [u64; 2],
+    study: impl FnOnce(ProgressCallback) -> T + Send,
+) -> T {
     let on_progress = |done: usize, all: usize| {
-        progress.advance_to(done as u64, all as u64);
+        match count {
+            1 => progress.advance_to(done as u64, all as u64),
+            _ => {
+                let own = STEPS_PER_STUDY * done as u64 / (all as u64).max(1);
+                progress.advance_to(STEPS_PER_STUDY * index + own, STEPS_PER_STUDY * count);
+            }
+        }
         ControlFlow::Continue(())
     };
     if progress.progress_bar.is_some() {
@@ -37,7 +56,6 @@ pub fn run_with_progress<T: Send>(
     }
     std::thread::scope(|scope| {
         let (end, ended) = mpsc::channel::<()>();
-        let progress = &progress;
         let print_due_lines = move || {
             while ended.recv_timeout(LINE_CHECK_INTERVAL) == Err(mpsc::RecvTimeoutError::Timeout) {
                 progress.print_line_if_due();
@@ -52,10 +70,10 @@ pub fn run_with_progress<T: Send>(
 }
 
 /// Time after which [`estimate_time`] stops a study.
-const ESTIMATE_TIME: Duration = Duration::from_millis(300);
+pub const ESTIMATE_TIME: Duration = Duration::from_millis(300);
 
 /// Estimates the wall time of a study, s: runs it on the threads of a pool and, at its first report of progress after
-/// 0.3 s, cancels it and extrapolates.
+/// [`ESTIMATE_TIME`], cancels it and extrapolates.
 ///
 /// # Errors
 /// The study fails.
@@ -63,11 +81,23 @@ pub fn estimate_time<T: Send>(
     pool: &ThreadPool,
     study: impl FnOnce(ProgressCallback) -> Result<T, Error> + Send,
 ) -> Result<f64, Error> {
+    estimate_time_within(pool, ESTIMATE_TIME, study)
+}
+
+/// Estimates the wall time of a study like [`estimate_time`]; the study is cancelled after `limit`.
+///
+/// # Errors
+/// The study fails.
+pub fn estimate_time_within<T: Send>(
+    pool: &ThreadPool,
+    limit: Duration,
+    study: impl FnOnce(ProgressCallback) -> Result<T, Error> + Send,
+) -> Result<f64, Error> {
     let start = Instant::now();
     let estimate = Mutex::new(None);
     let on_progress = |done: usize, all: usize| {
         let elapsed = start.elapsed();
-        if done == 0 || elapsed < ESTIMATE_TIME {
+        if done == 0 || elapsed < limit {
             return ControlFlow::Continue(());
         }
         let mut estimate = estimate.lock().unwrap_or_else(PoisonError::into_inner);
@@ -121,6 +151,14 @@ impl DelayedProgressBar {
         }
     }
 
+    /// Calls `print`, which prints to the terminal, with the bar hidden.
+    pub fn hide_during<T>(&self, print: impl FnOnce() -> T) -> T {
+        match &self.progress_bar {
+            Some(bar) => bar.suspend(print),
+            None => print(),
+        }
+    }
+
     /// Advances the bar by `steps`; prints no line.
     pub fn advance_by(&self, steps: u64) {
         if let Some(bar) = &self.progress_bar {
@@ -153,17 +191,16 @@ impl DelayedProgressBar {
         let [done, all] =
             [0, 1].map(|index| self.step_counts[index].load(Ordering::Relaxed) as f64);
         let elapsed = self.start_time.elapsed().as_secs_f64();
-        let rest = match done > 0.0 {
-            true => format!("about {} left", DisplayTime(elapsed * (all - done).max(0.0) / done)),
-            false => format!("after {}", DisplayTime(elapsed)),
+        let state = match done > 0.0 {
+            true => format!(
+                "{:.1} %, about {} left",
+                100.0 * (done / all).min(1.0),
+                DisplayTime(elapsed * (all - done).max(0.0) / done)
+            ),
+            false => format!("{} so far", DisplayTime(elapsed)),
         };
         // A closed standard error is ignored.
-        let _ = writeln!(
-            std::io::stderr(),
-            "{}: {:.1} %, {rest}",
-            self.label,
-            100.0 * (done / all).min(1.0)
-        );
+        let _ = writeln!(std::io::stderr(), "{}: {state}", self.label);
     }
 
     fn show_after_delay(&self, bar: &ProgressBar) {

@@ -5,6 +5,7 @@ use super::run::{Checkpoint, CheckpointSettings, RunContext, execute_run};
 use crate::case::TimeDomainRun;
 use crate::cli::folder::{ResultFolder, UnfinishedRun};
 use crate::cli::{CommandError, OutputFormat};
+use crate::report::PictureOptions;
 use crate::study::simulate::create_job;
 use std::io::Write;
 use std::path::Path;
@@ -20,6 +21,7 @@ pub fn resume(
     threads: Option<usize>,
     checkpoint_settings: CheckpointSettings,
     format: OutputFormat,
+    pictures: &PictureOptions,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
     let UnfinishedRun { folder, case, run_lock: lock } = ResultFolder::open_unfinished_run(path)?;
@@ -33,7 +35,12 @@ pub fn resume(
     };
     let start = found.as_ref().map_or(0.0, |found| found.solver_state.time);
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
-    let run =
-        RunContext { case: &case, folder: &folder, checkpoint_settings, thread_count: threads };
+    let run = RunContext {
+        case: &case,
+        folder: &folder,
+        checkpoint_settings,
+        thread_count: threads,
+        pictures,
+    };
     execute_run(&run, &*job, found, Some(lock), format, stdout)
 }

@@ -18,13 +18,15 @@ pub(super) use run_files::read_records;
 
 use super::load::print_hints;
 use super::signals::{self, ProgramStage};
-use super::verdict::print_solid_verdict;
-use super::write::{CostEstimate, list_planned_paths, print_plan, print_report};
+use super::write::{
+    CostEstimate, list_planned_paths, print_plan, print_report, refuse_or_warn, select_folder,
+};
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
 use crate::cli::options::{check_thread_start, create_thread_pool};
 use crate::cli::{CommandError, Options, OutputFormat};
-use crate::report::RenderedReport;
+use crate::report::{PictureOptions, RenderedReport};
+use crate::study::decide_solid_verdict;
 use crate::study::simulate::{SimulationJob, create_job};
 use files::lock::Lock;
 use recorder::FileRecorder;
@@ -59,8 +61,8 @@ pub fn run_simulation(
     if !options.force {
         job.refuse_excess(&plan)?;
     }
-    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
-    folder.check_run_may_start()?;
+    let folder = select_folder(&case, options)?;
+    refuse_or_warn(folder.check_run_may_start(), options.is_dry_run)?;
     if options.is_dry_run {
         job.check_case()?;
         if let Some(found) = job.find_ill_posedness()?.filter(|_| !options.accept_ill_posed) {
@@ -71,12 +73,18 @@ pub fn run_simulation(
             memory_bytes: Some(plan.required_memory.0),
         };
         let plan = format!("compute {plan}");
-        let paths = list_planned_paths(&folder, &planned_files::list_planned_file_names(&case)?);
+        let paths = list_planned_paths(
+            &folder,
+            &planned_files::list_planned_file_names(&case, &options.pictures)?,
+            &options.pictures,
+        );
         return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
     // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");
-    print_solid_verdict(&case);
+    if let Some(verdict) = decide_solid_verdict(&case) {
+        let _ = writeln!(std::io::stderr(), "verdict of the analysis: {verdict}");
+    }
     for warning in job.find_warnings()? {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
@@ -90,16 +98,18 @@ pub fn run_simulation(
         folder: &folder,
         checkpoint_settings,
         thread_count: options.thread_count,
+        pictures: &options.pictures,
     };
     execute_run(&run, &*job, None, None, options.format, stdout)
 }
 
-/// Case, results folder, checkpoint settings and number of threads of a run.
+/// Case, results folder, checkpoint settings, number of threads and pictures of a run.
 pub(super) struct RunContext<'a> {
     pub(super) case: &'a Case,
     pub(super) folder: &'a ResultFolder,
     pub(super) checkpoint_settings: CheckpointSettings,
     pub(super) thread_count: Option<usize>,
+    pub(super) pictures: &'a PictureOptions,
 }
 
 /// Computes a run from its beginning or from `checkpoint` and writes all results. `lock` is the run lock of a resumed
@@ -123,19 +133,19 @@ pub(super) fn execute_run(
     if let Some(warning) = result.residual_warning() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
-    let RunContext { case, folder, .. } = run;
+    let RunContext { case, folder, pictures, .. } = run;
     let rendered = RenderedReport::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {
-        match draw_animation(case, folder)? {
+        match draw_animation(case, folder, pictures)? {
             AnimationOutput::NoAnimation => {}
             AnimationOutput::AllZero => files.remove_result(ANIMATION_FILE)?,
             AnimationOutput::Gif(bytes) => drop(files.write_result(ANIMATION_FILE, &bytes)?),
         }
-        rendered.write_files(|name, bytes| {
+        rendered.write_files(pictures, |name, bytes| {
             files.write_result(name, bytes).map(drop).map_err(CommandError::from)
         })?;
         files.finish()?;
     }
-    print_report(&rendered, folder, format, stdout)?;
+    print_report(&rendered, folder, pictures, format, stdout)?;
     result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))
 }

@@ -2,8 +2,8 @@
 
 use super::load::load_case;
 use super::progress::{estimate_time, run_with_progress};
-use super::write::{CostEstimate, list_planned_paths, print_plan, write_report};
-use crate::cli::folder::{self, ResultFolder};
+use super::write::{CostEstimate, list_planned_paths, print_plan, select_folder, write_report};
+use crate::cli::folder;
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
 use crate::{setup, study};
@@ -19,7 +19,7 @@ pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Comma
     case.check_without_contacts()?;
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
-    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let folder = select_folder(&case, options)?;
     let pool = create_thread_pool(options.thread_count)?;
     if options.is_dry_run {
         let seconds =
@@ -31,11 +31,11 @@ pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Comma
             3 => folder::SPEEDS_FILES.to_vec(),
             _ => in_plane.copied().collect(),
         };
-        let paths = list_planned_paths(&folder, &names);
+        let paths = list_planned_paths(&folder, &names, &options.pictures);
         return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
     let found = run_with_progress(&pool, "speeds", |on_progress| {
         study::compute_speeds(&case, on_progress)
     })?;
-    write_report(&found, &case, &folder, options.format, stdout)
+    write_report(&found, &case, &folder, options, stdout)
 }

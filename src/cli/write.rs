@@ -1,12 +1,41 @@
 //! Output of reports to results folders and standard output.
 
-use super::folder::ResultFolder;
-use super::{CommandError, OutputFormat};
+use super::folder::{OutputError, ResultFolder};
+use super::{CommandError, Options, OutputFormat};
 use crate::case::Case;
 use crate::report::run::DisplayTime;
-use crate::report::{RenderedReport, Report, SCHEMA_VERSION};
+use crate::report::{PictureOptions, RenderedReport, Report, SCHEMA_VERSION};
 use serde_json::json;
 use std::io::Write;
+
+/// Selects the results folder of a verb. A dry run only warns of results that the verb would refuse to overwrite.
+///
+/// # Errors
+/// The folder cannot be written, or the verb may not overwrite what it holds.
+pub(super) fn select_folder(case: &Case, options: &Options) -> Result<ResultFolder, OutputError> {
+    let (out, force) = (options.output_folder.as_deref(), options.force);
+    let folder = ResultFolder::from_case(case, out, force)?;
+    refuse_or_warn(folder.check_other_results(), options.is_dry_run)?;
+    Ok(folder)
+}
+
+/// Returns the error of a check that a folder may be written; a dry run, which writes nothing, prints it as a warning.
+///
+/// # Errors
+/// The check failed, and this is no dry run.
+pub(super) fn refuse_or_warn(
+    check: Result<(), OutputError>,
+    is_dry_run: bool,
+) -> Result<(), OutputError> {
+    match check {
+        Err(error) if is_dry_run => {
+            // A closed standard error is ignored.
+            let _ = writeln!(std::io::stderr(), "warning: {error}");
+            Ok(())
+        }
+        other => other,
+    }
+}
 
 /// Writes all files of a report to the results folder, and its text or JSON to standard output.
 ///
@@ -16,10 +45,11 @@ pub(super) fn write_report<R: Report>(
     report: &R,
     case: &Case,
     folder: &ResultFolder,
-    format: OutputFormat,
+    options: &Options,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    print_report(&write_report_files(report, case, folder)?, folder, format, stdout)
+    let rendered = write_report_files(report, case, folder, &options.pictures)?;
+    print_report(&rendered, folder, &options.pictures, options.format, stdout)
 }
 
 /// Writes all files of a report to the results folder and returns the report as text.
@@ -30,10 +60,11 @@ pub(super) fn write_report_files<R: Report>(
     report: &R,
     case: &Case,
     folder: &ResultFolder,
+    pictures: &PictureOptions,
 ) -> Result<RenderedReport, CommandError> {
     let rendered = RenderedReport::new(report, case)?;
     let mut publication = folder.start_publication();
-    rendered.write_files(|name, bytes| {
+    rendered.write_files(pictures, |name, bytes| {
         publication.stage_file(name, bytes).map_err(CommandError::from)
     })?;
     publication.publish()?;
@@ -48,6 +79,7 @@ pub(super) fn write_report_files<R: Report>(
 pub(super) fn print_report(
     rendered: &RenderedReport,
     folder: &ResultFolder,
+    pictures: &PictureOptions,
     format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
@@ -55,7 +87,7 @@ pub(super) fn print_report(
         OutputFormat::Json => stdout.write_all(rendered.json().as_bytes())?,
         OutputFormat::Text => {
             stdout.write_all(rendered.text().as_bytes())?;
-            match rendered.first_picture_name() {
+            match rendered.first_picture_name(pictures) {
                 Some(name) => {
                     writeln!(stdout, "picture: {}", folder.path().join(name).display())?;
                 }
@@ -66,10 +98,28 @@ pub(super) fn print_report(
     Ok(())
 }
 
-/// Returns the paths of the files that a verb would write: the common files and `names`.
-pub(super) fn list_planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>]) -> Vec<String> {
-    let names = ResultFolder::COMMON_FILE_NAMES.into_iter().chain(names.iter().map(AsRef::as_ref));
+/// Returns the paths of the files that a verb would write: the common files and `names`, in which each picture is listed
+/// as PNG and SVG; its files are those of the options.
+pub(super) fn list_planned_paths(
+    folder: &ResultFolder,
+    names: &[impl AsRef<str>],
+    pictures: &PictureOptions,
+) -> Vec<String> {
+    let common = ResultFolder::COMMON_FILE_NAMES.into_iter().map(str::to_owned);
+    let names = common.chain(select_pictures(names, pictures));
     names.map(|name| folder.path().join(name).display().to_string()).collect()
+}
+
+/// Replaces the PNG and SVG files in a list of files by the formats of the options.
+fn select_pictures(names: &[impl AsRef<str>], pictures: &PictureOptions) -> Vec<String> {
+    let is_listed =
+        |stem: &str| names.iter().any(|own| own.as_ref().strip_suffix(".svg") == Some(stem));
+    let select = |name: &str| match name.strip_suffix(".png").filter(|stem| is_listed(stem)) {
+        Some(stem) => pictures.file_names(stem).collect(),
+        None if name.ends_with(".svg") => Vec::new(),
+        None => vec![name.to_owned()],
+    };
+    names.iter().flat_map(|name| select(name.as_ref())).collect()
 }
 
 /// Estimated cost of a verb, for dry runs.

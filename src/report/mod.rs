@@ -8,6 +8,7 @@ pub mod dispersion;
 pub mod format;
 pub mod homogenise;
 pub mod map;
+mod picture;
 pub mod point;
 pub mod run;
 pub mod shocks;
@@ -15,9 +16,10 @@ pub mod speeds;
 
 use crate::Error;
 use crate::case::Case;
-use figures::FigureError;
 use serde::Serialize;
 use serde_json::{Map, Value};
+
+pub use picture::{PictureOptions, ReportPicture, draw_pictures};
 
 /// Version of the JSON reports; raised when a key changes its name or meaning.
 pub const SCHEMA_VERSION: u64 = 1;
@@ -56,26 +58,6 @@ pub trait Report: Serialize {
     fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
 }
 
-/// Function that draws a picture in a file format.
-type DrawFunction = Box<dyn Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError>>;
-
-/// Picture of a report, drawn as PNG and SVG.
-pub struct ReportPicture {
-    /// Name of the picture's files without extension.
-    file_stem: &'static str,
-    draw_function: DrawFunction,
-}
-
-impl ReportPicture {
-    /// Creates a picture with the file name `stem` from the drawing method of a figure.
-    pub fn new(
-        stem: &'static str,
-        draw: impl Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError> + 'static,
-    ) -> Self {
-        Self { file_stem: stem, draw_function: Box::new(draw) }
-    }
-}
-
 /// Creates the JSON report: schema version, value and units.
 ///
 /// # Errors
@@ -98,10 +80,14 @@ pub fn to_json<R: Report>(report: &R) -> Result<Value, Error> {
 ///
 /// # Errors
 /// A picture or table cannot be created.
-pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Error> {
+pub fn file_names<R: Report>(
+    report: &R,
+    case: &Case,
+    options: &PictureOptions,
+) -> Result<Vec<String>, Error> {
     let mut names = vec![format!("{}.json", R::NAME), format!("{}.txt", R::NAME)];
-    for ReportPicture { file_stem: stem, .. } in report.create_pictures(case)? {
-        names.extend([format!("{stem}.png"), format!("{stem}.svg")]);
+    for picture in report.create_pictures(case)? {
+        names.extend(options.file_names(picture.file_stem()));
     }
     names.extend(report.create_tables(case)?.into_iter().map(|(name, _)| name.to_owned()));
     Ok(names)
@@ -139,9 +125,10 @@ impl RenderedReport {
     /// A picture cannot be drawn, or `put` fails.
     pub fn write_files<E: From<Error>>(
         &self,
+        options: &PictureOptions,
         mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        draw_pictures(&self.pictures, &mut put)?;
+        draw_pictures(&self.pictures, options, &mut put)?;
         for (name, table) in &self.tables {
             put(name, table)?;
         }
@@ -159,26 +146,14 @@ impl RenderedReport {
         &self.json
     }
 
-    /// Returns the file name of the first picture; `None` if the text does not end with its path.
-    pub fn first_picture_name(&self) -> Option<String> {
-        let first = self.pictures.first().filter(|_| self.ends_with_picture_path);
-        first.map(|ReportPicture { file_stem: stem, .. }| format!("{stem}.png"))
+    /// Returns the pictures of the report.
+    pub fn pictures(&self) -> &[ReportPicture] {
+        &self.pictures
     }
-}
 
-/// Draws pictures as PNG and SVG and passes the files to `put` by name.
-///
-/// # Errors
-/// A picture cannot be drawn, or `put` fails.
-pub fn draw_pictures<E: From<Error>>(
-    pictures: &[ReportPicture],
-    mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
-) -> Result<(), E> {
-    use figures::FigureFormat::{Png, Svg};
-    for ReportPicture { file_stem: stem, draw_function: draw } in pictures {
-        for (format, ending) in [(Png, "png"), (Svg, "svg")] {
-            put(&format!("{stem}.{ending}"), &draw(format).map_err(Error::from)?)?;
-        }
+    /// Returns the file name of the first picture; `None` if the text does not end with its path or none is drawn.
+    pub fn first_picture_name(&self, options: &PictureOptions) -> Option<String> {
+        let first = self.pictures.first().filter(|_| self.ends_with_picture_path)?;
+        options.file_names(first.file_stem()).next()
     }
-    Ok(())
 }

@@ -43,6 +43,9 @@ impl Report for RunResult {
             }
             None => writeln!(text, "{}: t = {time} s", format_count(self.step_count, "step")),
         };
+        if let Some(verdict) = &self.solid_verdict {
+            let _ = writeln!(text, "verdict of the analysis: {verdict}");
+        }
         if let Some(stopped) = &self.stop_report {
             let _ = writeln!(text, "stopped: {stopped}");
         }

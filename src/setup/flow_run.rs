@@ -7,6 +7,7 @@ use crate::case::Case;
 use crate::case::flow::{FlowGrid, FlowRun};
 use dynamics::flow::{Closure, FlowProblem};
 pub(crate) use initial::assemble_perturbation;
+use models::common::decimal::ToPlainText;
 
 /// Smallest allowed tolerance, about 450 ε with the machine epsilon ε of double precision.
 const MIN_TOLERANCE: f64 = 1e-13;
@@ -21,9 +22,13 @@ pub(crate) fn create_run_problem(case: &Case, run: &FlowRun) -> Result<FlowProbl
         [("tolerance", time.tolerance), ("pressure_tolerance", time.pressure_tolerance)]
     {
         if own < MIN_TOLERANCE {
-            let allowed = format!("at least {MIN_TOLERANCE:e}: less is lost in rounding");
+            let allowed = format!("expected at least {MIN_TOLERANCE:e}: less is lost in rounding");
             return Err(run
-                .key_error(&format!("time.{key}"), format!("found {own:?}"), allowed)
+                .key_error(
+                    &format!("time.{key}"),
+                    format!("found {own}", own = own.to_plain_text()),
+                    allowed,
+                )
                 .into());
         }
     }

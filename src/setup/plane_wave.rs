@@ -7,6 +7,7 @@ use analysis::plane_shocks::PlaneWaveError;
 use dynamics::contact_law::ContactLaw;
 use dynamics::medium::Medium;
 use models::InputError;
+use models::common::decimal::ToPlainText;
 use models::granular_medium::{
     GranularContact, GranularMedium, GranularParameters, KelvinVoigtParticles, MaxwellParticles,
 };
@@ -149,7 +150,7 @@ pub(crate) fn check_without_viscosity(
         None => Ok(()),
         Some((input, value)) => Err(material.locate_medium_error(InputError {
             input,
-            rejected_value: format!("{value:?}"),
+            rejected_value: value.to_plain_text(),
             allowed_values: "leave it out: the waves are known for media without viscosity"
                 .to_owned(),
         })),
@@ -224,7 +225,10 @@ pub(crate) fn create_solver_medium(
             {
                 return Err(material.locate_medium_error(InputError {
                     input: "plastic_viscosity",
-                    rejected_value: format!("{viscosity:?} beside a contact by cone"),
+                    rejected_value: format!(
+                        "{viscosity} beside a contact by cone",
+                        viscosity = viscosity.to_plain_text()
+                    ),
                     allowed_values: "leave it out, or set porous.contact = \"spherical\""
                         .to_owned(),
                 }));
@@ -246,20 +250,27 @@ pub(crate) fn create_solver_medium(
 /// Converts an error of a plane wave problem to an error at a key of the case.
 pub fn locate_plane_wave_error(case: &Case, key: &str, error: PlaneWaveError) -> CaseError {
     let (found, allowed) = match error {
-        PlaneWaveError::OutOfRange { quantity, value, allowed } => {
-            (format!("found {value:?} for {quantity}"), allowed.to_owned())
-        }
+        PlaneWaveError::OutOfRange { quantity, value, allowed } => (
+            format!("found {value} for {quantity}", value = value.to_plain_text()),
+            allowed.to_owned(),
+        ),
         PlaneWaveError::NotFinite => (
             "found a load whose waves are not finite".to_owned(),
             "use numbers that are neither so large nor so small".to_owned(),
         ),
         PlaneWaveError::BeyondDiagram { maximum } => (
             "found a load beyond the diagram".to_owned(),
-            format!("expected a pressure of at most {maximum:?} Pa"),
+            format!(
+                "expected a pressure of at most {maximum} Pa",
+                maximum = maximum.to_plain_text()
+            ),
         ),
         PlaneWaveError::NotLoading { pressure, initial } => (
-            format!("found {pressure:?} Pa"),
-            format!("expected a pressure above that at rest, {initial:?} Pa"),
+            format!("found {pressure} Pa", pressure = pressure.to_plain_text()),
+            format!(
+                "expected a pressure above that at rest, {initial} Pa",
+                initial = initial.to_plain_text()
+            ),
         ),
     };
     case.plane_wave_error(key, found, allowed)

@@ -25,6 +25,7 @@ use dynamics::problem::{
 use dynamics::simulation::TimeSteps;
 use dynamics::solid::metric::Metric;
 pub(crate) use geometry::{cell_centre, create_probe, find_containing_cell};
+use models::common::decimal::ToPlainText;
 use models::solid::waves::SolidField;
 
 /// Solver problem of a solid with its time steps and initial state, created from a case.
@@ -290,7 +291,10 @@ fn check_initial_stress<const D: usize>(
         let stress = layers[cell / stride % problem.grid.cells[*axis]];
         if problem.media[usize::from(medium)].project(&stress).stress != stress {
             let key = if solid_run.gravity.is_some() { "gravity" } else { "initial_stress" };
-            let found = format!("beyond yield in the cell at {:?}", cell_centre(solid_run, cell));
+            let found = format!(
+                "beyond yield in the cell at {}",
+                cell_centre(solid_run, cell).to_plain_text()
+            );
             let allowed = "an initial stress within the yield set";
             return Err(solid_run.key_error(key, found, allowed));
         }

@@ -69,27 +69,34 @@ pub fn format_superscript(order: f64) -> String {
     }
 }
 
-/// Describes as text the evidence on which a verdict is based.
+/// Describes as text the evidence on which a verdict in the plane is based.
 pub fn describe_evidence(verdict: &Verdict) -> String {
+    let angle = match verdict {
+        Verdict::IllPosed { direction, .. } => direction.to_degrees(),
+        _ => 0.0,
+    };
+    describe_evidence_for(verdict, &format!("wave vectors at {}°", format_short(angle)))
+}
+
+/// Describes as text the evidence on which a verdict is based; `waves` names the fastest growing ones.
+pub fn describe_evidence_for(verdict: &Verdict, waves: &str) -> String {
     match verdict {
         Verdict::WellPosed => {
             "no root grows without bound as k → ∞ in any direction, layers around the degenerate \
              directions included"
                 .into()
         }
-        Verdict::IllPosed { growth: Some(growth), direction } => {
+        Verdict::IllPosed { growth: Some(growth), .. } => {
             let order = growth.order.to_f64();
             format!(
-                "Re ς ≈ {} k{} as k → ∞, for wave vectors at {}°",
+                "Re ς ≈ {} k{} as k → ∞, for {waves}",
                 format_short(growth.coefficient),
-                format_superscript(order),
-                format_short(direction.to_degrees())
+                format_superscript(order)
             )
         }
-        Verdict::IllPosed { growth: None, direction } => format!(
+        Verdict::IllPosed { growth: None, .. } => format!(
             "the growth rate is unbounded at finite wave numbers already: the coefficient of the \
-             highest power of ς vanishes and changes sign for wave vectors at {}°",
-            format_short(direction.to_degrees())
+             highest power of ς vanishes and changes sign for {waves}"
         ),
         Verdict::Marginal { quantity, value, rounding } => format!(
             "the {quantity} is {value:.1e} with a rounding bound of {rounding:.1e} (scaled): no \

@@ -17,6 +17,7 @@ pub mod point;
 pub mod shocks;
 pub mod simulate;
 pub mod speeds;
+pub mod verdict;
 
 pub use bloch::{BandStructureResult, compute_bloch_waves};
 pub use check::{CheckResult, check_agreement};
@@ -29,6 +30,7 @@ pub use point::{EquationsAnalysis, FlowAnalysis, PointResult, SolidAnalysis, ana
 pub use shocks::{ShocksResult, compute_shocks};
 pub use simulate::{RunResult, simulate};
 pub use speeds::{SpeedsResult, compute_speeds};
+pub use verdict::{SolidVerdict, decide_solid_verdict};
 
 use crate::Error;
 use std::ops::ControlFlow;

@@ -75,9 +75,9 @@ const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     ("points = 5", "points = 9223372036854775807", "23: map.x.points: ", "at most 100000000 points"),
     ("from = 1,", "from = nan,", "23: map.x.from: ", "not finite"),
     ("to = 9,", "to = inf,", "23: map.x.to: ", "not finite"),
-    ("to = 9,", "to = 1,", "23: map.x.to: ", "expected to > from, or points = 1"),
+    ("to = 9,", "to = 1,", "23: map.x.to: ", "expected from < to, or points = 1"),
     ("from = 1, to = 9,", "from = -1e308, to = 1e308,", "23: map.x.to: ", "whose difference overflows"),
-    ("from = 1, to = 9,", "from = 1.7e308, to = -1e308,", "23: map.x.to: ", "expected to > from: exchange them"),
+    ("from = 1, to = 9,", "from = 1.7e308, to = -1e308,", "23: map.x.to: ", "expected from < to: exchange them"),
     ("to = 9,", "to = 1.0000000000000004,", "23: map.x.points: ", "too close to differ"),
     ("from = 1, to = 9,", "from = 0, to = 1e-323,", "23: map.x.points: ", "too close to differ"),
     ("from = 1, to = 9,", "from = -9, to = -8.999999999999998,", "23: map.x.points: ", "too close to differ"),
@@ -251,8 +251,8 @@ fn unreadable_files_are_refused_with_reason() {
         path
     };
     for (path, expected) in [
-        (folder.join("absent.toml"), "No such file"),
-        (folder.clone(), "directory"),
+        (folder.join("absent.toml"), "no such file"),
+        (folder.clone(), "a folder, not a file"),
         (
             write("empty.toml", b""),
             "empty.toml: model.kind: missing; add a section [model] with kind: ",

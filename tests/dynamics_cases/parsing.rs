@@ -287,7 +287,7 @@ fn tables_are_read_relative_to_case() {
 
     let table_name = table.display().to_string();
     for (content, line, end) in [
-        ("0,1\n0,2\n", 2, "found the time 0.0 after 0.0; times must increase"),
+        ("0,1\n0,2\n", 2, "found the time 0 after 0; times must increase"),
         (
             "0,1\n1,x\n",
             2,

@@ -52,8 +52,8 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         // grid
         ("cells = [20, 10]", "cells = [20, 10, 5, 3]", "20: grid.cells: found [20, 10, 5, 3]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
         ("cells = [20, 10]", "cells = [20, 0]", "20: grid.cells: found [20, 0]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
-        ("cells = [20, 10]", "cells = [2000000, 1000000]", "20: grid.cells: a grid of 2000000 × 1000000; expected at most 4000000000 cells in total"),
-        ("spacing = [0.5, 1]", "spacing = 1e-300", "21: grid.spacing: cells of 1e-300 m from -5.0 to -5.0; expected a spacing at which cell coordinates along x1 differ in double precision"),
+        ("cells = [20, 10]", "cells = [2000000, 1000000]", "20: grid.cells: found a grid of 2000000 × 1000000; expected at most 4000000000 cells in total"),
+        ("spacing = [0.5, 1]", "spacing = 1e-300", "21: grid.spacing: cells of 1e-300 m from -5 to -5; expected a spacing at which cell coordinates along x1 differ in double precision"),
         ("lambda = 2e9", "dimensions = 3\nlambda = 2e9", "4: model.dimensions: found 3 in a grid of 2 dimensions; expected 2, the number of entries of grid.cells; or leave the key out"),
         // regions
         ("model = { mu = 3e9 }", "model = { mu = 3e9, a1 = 4 }", "34: region[0].model.a1: not used by the model cosserat; leave it out (it belongs to cosserat-compliances)"),
@@ -70,7 +70,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("shape = 'circle'", "shape = 'rest'", "37: region[1].center: found, but not used here; leave it out: it is used with shape circle or sphere, here 'rest'"),
         ("shape = 'circle'\ncenter = [2.5, 5]\nradius = 1.5", "shape = 'rest'", "39: region[2].shape: a second region with shape rest, after region[1] (folder/x.toml:35); use shape = \"rest\" once"),
         ("shape = 'circle'", "shape = 'sphere'", "36: region[1].shape: found 'sphere' in a grid of 2 dimensions; write circle"),
-        ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0.0, 0.0] with from = [-5.0, 0.0]; to must be greater than from along each axis"),
+        ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0, 0] with from = [-5, 0]; to must be greater than from along each axis"),
         ("radius = 1.5", "radius = 0", "38: region[1].radius: found the integer 0; expected a positive number in m"),
         // boundaries and loads
         ("side = 'x2-'\nkind = 'fixed'", "side = 'x3-'\nkind = 'fixed'", "45: boundary[0].side: found 'x3-'; did you mean 'x1-'? allowed: x1-, x1+, x2-, x2+"),
@@ -81,7 +81,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("fixed_components = ['v2', 'w3']\n", "", "47: boundary[1].fixed_components: missing; add fixed_components, a list with any of v1, v2, w3"),
         ("side = 'x2+'\nfield = 'sigma22'", "side = 'x3+'\nfield = 'sigma22'", "54: load[0].side: found 'x3+'; did you mean 'x1+'? allowed: x1-, x1+, x2-, x2+"),
         ("field = 'sigma22'", "field = 'sigma21'", "55: load[0].field: found 'sigma21'; did you mean 'sigma12'? allowed: v1, v2, w3, sigma12, sigma22, m32"),
-        ("at = [0.5]", "at = [50]", "62: load[1].at: found [50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m"),
+        ("at = [0.5]", "at = [50]", "62: load[1].at: found [50], outside the grid; the grid has x1 from -5 to 5 m"),
         ("at = [0.5]\n", "", "62: load[1].radius: found without at; add at, the centre of the kernel, or leave it out"),
         ("from = [2]\nto = [4]", "at = [4]", "69: load[2].at: found for the velocity v1; give a stress or couple stress, or from and to instead of at"),
         ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'triangel' }", "57: load[0].time.kind: found 'triangel'; did you mean 'triangle'? allowed: step, triangle, pulse, ricker, sine, table"),
@@ -89,15 +89,15 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'table', file = 'none.csv' }", "57: load[0].time.file: 'none.csv': No such file or directory (os error 2); name a CSV file with two columns, time in s and value, by its path relative to the folder of the case file"),
         ("time = { kind = 'triangle', duration = 0.01 }\n", "", "53: load[0].time: missing; add time to load[0]: expected a table { kind = ..., ... } (kind: step, triangle, pulse, ricker, sine, table)"),
         // sources and the initial state
-        ("at = [0, 5]\nradius = 1", "at = [0, 50]\nradius = 1", "76: source[0].at: found [0.0, 50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
+        ("at = [0, 5]\nradius = 1", "at = [0, 50]\nradius = 1", "76: source[0].at: found [0, 50], outside the grid; the grid has x1 from -5 to 5 m, x2 from 0 to 10 m"),
         ("amplitude = [1, 2]", "amplitude = 1", "75: source[0].amplitude: found the integer 1; expected a list of 2 finite numbers in N/m (force vector)"),
         ("branch = 2", "branch = 4", "110: initial[2].branch: found the integer 4; expected a whole number from 1 to 3 (1 is the branch of highest frequency)"),
         ("field = 'sigma33'", "field = 'sigma34'", &format!("123: initial[4].field: found 'sigma34'; did you mean 'sigma33'? allowed: {FIELD_NAMES}")),
         ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (normal vector that points into the shape)"),
         ("m31 = 4", "m33 = 4", "129: initial_stress.m33: unknown key; did you mean 'm31'? allowed here: sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23"),
-        ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1.0, -9.81]; give an acceleration along one axis, or set balanced = false"),
+        ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1, -9.81]; give an acceleration along one axis, or set balanced = false"),
         // receivers and output
-        ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
+        ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10], outside the grid; the grid has x1 from -5 to 5 m, x2 from 0 to 10 m"),
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver a unique name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected a name of 1 to 255 characters (letters, digits, '-', '_' and '.')"),
         ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; expected each name once"),

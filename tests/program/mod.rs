@@ -49,9 +49,11 @@ pub fn start_program(folder: &Path, arguments: &str) -> Child {
     create_command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Runs the program with a list of arguments, which may contain spaces, and returns its output.
+/// Runs the program with a list of arguments, which may contain spaces, and returns its output. Without `--threads` it
+/// has one thread: for estimates of the cost and on small grids several take more processor time.
 pub fn run_with_arguments(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(PROGRAM_PATH).current_dir(folder).args(arguments).output().unwrap()
+    let mut command = Command::new(PROGRAM_PATH);
+    command.current_dir(folder).args(arguments).env("RAYON_NUM_THREADS", "1").output().unwrap()
 }
 
 /// Runs the program with the arguments of one line and returns its output.

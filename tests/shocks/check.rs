@@ -91,14 +91,14 @@ fn cases_beyond_solver_or_solution_are_not_measurable() {
         (
             "foam-collapse.toml",
             &["porous.plastic_viscosity=100.0"],
-            "porous.plastic_viscosity: found 100.0",
+            "porous.plastic_viscosity: found 100",
         ),
         (
             "sand-compaction.toml",
             &["granular.bulk_viscosity=1e6"],
-            "granular.bulk_viscosity: found 1000000.0",
+            "granular.bulk_viscosity: found 1e6",
         ),
-        ("foam-release.toml", &["piston.profile_time=1"], "piston.profile_time: found 1.0"),
+        ("foam-release.toml", &["piston.profile_time=1"], "piston.profile_time: found 1"),
         ("sand-spall.toml", &["granular.friction=0.8"], "granular.friction: found 0.8"),
     ] {
         let case = wellposed::load(case_path(name), sets).unwrap();

@@ -9,7 +9,7 @@ use wellposed_analysis::acoustic_tensor3::AcousticTensor3;
 
 #[test]
 fn shear_bands_start_at_the_hardening_of_rudnicki_and_rice() {
-    check_shear_bands(48);
+    check_shear_bands(16);
 }
 
 #[test]

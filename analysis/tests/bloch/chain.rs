@@ -98,9 +98,14 @@ fn complex_half_trace(elements: &[ChainElement], omega: f64) -> f64 {
 /// found by a fine scan, and none is missing or found twice.
 #[test]
 fn branches_equal_a_scan_of_complex_transfer_matrices() {
+    compare_branches(60);
+}
+
+/// Checks `count` random chains.
+fn compare_branches(count: usize) {
     let mut random = RandomNumbers::new(11);
     let (mut worst, mut roots, mut missed) = (0.0f64, 0, 0);
-    for _ in 0..200 {
+    for _ in 0..count {
         let elements = random_chain_elements(&mut random);
         let chain = Chain::new(elements.clone()).expect("valid");
         let shift: f64 = random.uniform(0.02, PI - 0.02);
@@ -138,7 +143,7 @@ fn branches_equal_a_scan_of_complex_transfer_matrices() {
         }
     }
     println!("{roots} roots, worst {worst:e}, chains with pairs below the scan {missed}");
-    assert!(worst < 1e-11 && missed < 5, "{worst:e} {missed}");
+    assert!(worst < 1e-11 && 40 * missed < count, "{worst:e} {missed}");
 }
 
 /// Verifies the band edges of a box layer: tan ½θ = −r^±1 tan ½ψ at κh = 0, tan ½θ tan ½ψ = r^±1 at κh = π, r = z/z′;
@@ -418,4 +423,10 @@ fn invalid_chains_are_rejected() {
     let chain = Chain::new(vec![block]).expect("valid");
     assert!(matches!(chain.frequency(0, f64::NAN), Err(BlochError::Input(_))));
     assert!(matches!(chain.bloch_phase(-1.0), Err(BlochError::Input(_))));
+}
+
+#[test]
+#[ignore = "takes some seconds"]
+fn branches_of_many_chains_equal_a_scan_of_complex_transfer_matrices() {
+    compare_branches(200);
 }

@@ -61,11 +61,11 @@ pub fn describe_difference(
     (!agrees).then(|| format!("{verdict:?}: {force:?}"))
 }
 
-/// Verifies the verdicts on backgrounds with one flag, none and all, in all zones, against brute force: three states
-/// inside, one in each other zone.
+/// Verifies the verdicts on backgrounds with one flag, none and all, in all zones, against brute force: one state
+/// in each zone.
 #[test]
 fn brute_force_confirms_harris_grekova_with_dilatancy() {
-    confirm_harris_grekova(3, 1);
+    confirm_harris_grekova(1, 1);
 }
 
 #[test]
@@ -101,10 +101,10 @@ fn confirm_harris_grekova(inside: u64, outside: u64) {
 }
 
 /// Verifies the verdicts on the associated plastic potential and on dilatant double shearing, with accelerations and
-/// gradients, against brute force: four states of each.
+/// gradients, against brute force: two states of each.
 #[test]
 fn brute_force_confirms_plastic_potential_and_double_shearing() {
-    confirm_plastic_potential_and_double_shearing(4);
+    confirm_plastic_potential_and_double_shearing(2);
 }
 
 #[test]

@@ -39,8 +39,12 @@ fn discriminant([a, b, c]: [Real256; 3]) -> Real256 {
 /// form; the bound is |tan 2Δ| = √(−X/Y).
 #[test]
 fn noncoaxiality_bound_agrees_with_the_determinant() {
-    const STATE_COUNT: u64 = 2000;
-    let deviations: Vec<f64> = (0..STATE_COUNT)
+    check_noncoaxiality_bound(500);
+}
+
+/// Checks `count` random states.
+fn check_noncoaxiality_bound(count: u64) {
+    let deviations: Vec<f64> = (0..count)
         .into_par_iter()
         .map(|seed| {
             let random = &mut seeded_generator(0xb0_0000 + seed);
@@ -118,7 +122,12 @@ fn noncoaxiality_bound_agrees_with_the_determinant() {
 /// vector, is proportional to the coefficient in all directions, by a factor independent of Δ.
 #[test]
 fn leading_coefficient_agrees_with_the_closed_form() {
-    (0..500u64).into_par_iter().for_each(|seed| {
+    check_leading_coefficient(150);
+}
+
+/// Checks `count` random states.
+fn check_leading_coefficient(count: u64) {
+    (0..count).into_par_iter().for_each(|seed| {
         let random = &mut seeded_generator(0xb1_0000 + seed);
         let base = sample_harris_grekova(random, UNIFORM, Inside, seed % 2 == 0).sample;
         let phi = Real256::from(base.parameters.friction_angle);
@@ -158,7 +167,12 @@ fn leading_coefficient_agrees_with_the_closed_form() {
 /// rounding of this form divided by its slope.
 #[test]
 fn verdict_direction_is_a_zero_of_the_leading_coefficient() {
-    let worst = (0..1000u64)
+    check_direction(300);
+}
+
+/// Checks `count` random states.
+fn check_direction(count: u64) {
+    let worst = (0..count)
         .into_par_iter()
         .map(|seed| {
             let random = &mut seeded_generator(0xb2_0000 + seed);
@@ -192,7 +206,12 @@ fn verdict_direction_is_a_zero_of_the_leading_coefficient() {
 /// smaller than the mean, and its relative error in double precision is ε times the ratio of mean to minimum.
 #[test]
 fn growth_coefficients_in_the_reversed_zone_agree_with_the_polynomial() {
-    let worst = (0..1000u64)
+    check_growth_coefficients(300);
+}
+
+/// Checks `count` random states.
+fn check_growth_coefficients(count: u64) {
+    let worst = (0..count)
         .into_par_iter()
         .map(|seed| {
             let random = &mut seeded_generator(0xb4_0000 + seed);
@@ -225,4 +244,13 @@ fn growth_coefficients_in_the_reversed_zone_agree_with_the_polynomial() {
         .reduce(|| 0.0, f64::max);
     println!("greatest deviation over its bound: {worst:.2}");
     assert!(worst < 1.0, "{worst}");
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn leading_coefficients_of_many_states_agree() {
+    check_noncoaxiality_bound(2000);
+    check_leading_coefficient(500);
+    check_direction(1000);
+    check_growth_coefficients(1000);
 }

@@ -12,9 +12,14 @@ use testkit::flows::FlowParameters;
 /// Verifies that the associated plastic potential is well-posed without acceleration and grows at order 1/2 with it.
 #[test]
 fn associated_plastic_potential_grows_only_if_accelerated() {
+    check_associated_potential(100);
+}
+
+/// Checks `count` random states of each background.
+fn check_associated_potential(count: u64) {
     for parts in [0, 2, 4, 6, 8, 10, 12, 14] {
         let wanted = if parts & ACCELERATING_FLAGS == 0 { "well-posed" } else { "order 1/2" };
-        let wrong: Vec<String> = (0..300u64)
+        let wrong: Vec<String> = (0..count)
             .into_par_iter()
             .filter_map(|seed| {
                 let random = &mut seeded_generator(0xb7_0000 + seed);
@@ -46,7 +51,12 @@ fn associated_plastic_potential_grows_only_if_accelerated() {
 /// of φ − ν is about ε divided by the relative distance.
 #[test]
 fn plastic_potential_near_the_associated_flow_rule_grows_at_order_two() {
-    (0..1000u64).into_par_iter().for_each(|seed| {
+    check_near_associated_flow(300);
+}
+
+/// Checks `count` random states.
+fn check_near_associated_flow(count: u64) {
+    (0..count).into_par_iter().for_each(|seed| {
         let random = &mut seeded_generator(0xb8_0000 + seed);
         let parts = [UNIFORM, ALL_FLAGS][seed as usize % 2];
         let base =
@@ -72,7 +82,12 @@ fn plastic_potential_near_the_associated_flow_rule_grows_at_order_two() {
 /// φ)/{ρ sin(φ − ν) [cos(φ − ν) + sin ν]} with the deviator q and the density ρ.
 #[test]
 fn dilatant_double_shearing_grows_at_order_one() {
-    (0..1000u64).into_par_iter().for_each(|seed| {
+    check_double_shearing(300);
+}
+
+/// Checks `count` random states.
+fn check_double_shearing(count: u64) {
+    (0..count).into_par_iter().for_each(|seed| {
         let random = &mut seeded_generator(0xb9_0000 + seed);
         let base = if seed % 2 == 0 {
             sample_order_one(random, registry::DOUBLE_SHEARING, DilatancyKind::Positive, true)
@@ -90,4 +105,12 @@ fn dilatant_double_shearing_grows_at_order_one() {
         let error = (growth_coefficient(&verdict) / (above / below).sqrt() - 1.0).abs();
         assert!(error < 1e-9, "seed {seed}: off by {error:e}");
     });
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn many_states_have_the_orders_and_coefficients_of_closed_forms() {
+    check_associated_potential(300);
+    check_near_associated_flow(1000);
+    check_double_shearing(1000);
 }

@@ -259,6 +259,42 @@ fn largest_growth_rate_in_space_is_located() {
     }
 }
 
+/// Poincaré waves on a rotating shallow layer conserve energy: their growth rate is zero, not the rounding error of the
+/// neutral roots ς = 0, ± i √(f² + c²k²). A slow reaction beside them grows at its own rate.
+#[test]
+fn rounding_errors_are_not_growth() {
+    let equations = [
+        "dt(u) - f*v = -g*d1(h)",
+        "dt(v) + f*u = -g*d2(h)",
+        "dt(h) + depth*(d1(u) + d2(v)) = 0",
+        "dt(c) = rate*c + b*(d1(d1(c)) + d2(d2(c)))",
+    ];
+    let parameters = ["f", "g", "depth", "rate", "b"];
+    let model = build(2, &["u", "v", "h", "c"], &[], &parameters, &equations);
+    let mut random = seeded_generator(12);
+    for trial in 0..40 {
+        let [f, g, depth, b] = [0; 4].map(|_| 10f64.powf(random.uniform(-3.0, 3.0)));
+        let rate = if trial % 2 == 0 { 0.0 } else { f * 10f64.powf(random.uniform(-8.0, 0.0)) };
+        let parameters = vec![f, g, depth, rate, b];
+        let mut state = TextState { parameters, ..TextState::default() };
+        let mut workspace = EquationsWorkspace::default();
+        let found = workspace.assess(&model, &mut state).expect("smooth");
+        let located = workspace.locate_supremum(&model, &found).expect("finite");
+        let (supremum, _) = located.expect("well-posed");
+        let error = (supremum.growth_rate - rate).abs();
+        assert!(error <= 1e-5 * rate, "{trial}: {supremum:?}, not {rate}");
+    }
+}
+
+/// Equations without evolution in time have no growth rate.
+#[test]
+fn equations_without_time_have_no_growth_rate() {
+    let model = build(1, &["c"], &[], &[], &["d1(d1(c)) = 0"]);
+    let (mut state, mut workspace) = (TextState::default(), EquationsWorkspace::default());
+    let found = workspace.assess(&model, &mut state).expect("smooth");
+    assert_eq!(workspace.locate_supremum(&model, &found).expect("finite"), None);
+}
+
 /// The third-order Korteweg–de Vries equation is well-posed; a regularised long-wave equation of the wrong sign has a root
 /// at infinity at a finite wave number.
 #[test]

@@ -39,10 +39,15 @@ fn assert_interlaced<const D: usize>(
 
 #[test]
 fn associated_yielding_keeps_growth_at_rounding_level() {
+    check_associated_yielding(3000);
+}
+
+/// Checks `count` random yielding solids.
+fn check_associated_yielding(count: usize) {
     let random = &mut seeded_generator(9);
     let mut worst = [0.0f64; 2];
     let mut corners = [0usize; 5];
-    for index in 0..10_000 {
+    for index in 0..count {
         let theory = THEORIES[index % 3];
         let mut solid = random_solid(random, theory);
         // Scale moduli and density to order one.
@@ -101,7 +106,7 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
     println!("max Re ς, Hermitian part, over the largest entry: {worst:?}; conditions {corners:?}");
     // Tolerance of about 100 ε for the eigenvalues and entries of matrices of up to 24 × 24 entries of order one.
     assert!(worst[0] < 3e-14 && worst[1] < 3e-14, "{worst:?}");
-    assert!(corners[2] > 500 && corners[3] > 100, "{corners:?}");
+    assert!(20 * corners[2] > count && 100 * corners[3] > count, "{corners:?}");
 }
 
 fn verify_associated_yielding<const D: usize>(
@@ -214,4 +219,10 @@ fn associated_flow_of_the_background_damps_waves() {
     println!("greatest Re ς {greatest:e}, fastest decay {least:e}");
     assert!(greatest < 1e-13);
     assert!(least > 1e-3);
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn many_associated_yielding_solids_keep_growth_at_rounding_level() {
+    check_associated_yielding(10_000);
 }

@@ -12,6 +12,7 @@ use crate::schema::{
     ValueType,
 };
 use crate::section::{SectionReader, TableWriter};
+use models::common::decimal::ToPlainText;
 use std::ops::Range;
 
 /// Maximum number of blocks of a case.
@@ -204,10 +205,10 @@ impl BlockEntry {
             (0..2).find(|&axis| (own_spacing[axis] - spacing[axis]).abs() > 1e-9 * spacing[axis])
         {
             let found = format!(
-                "cells of {:?} m along x{}, but of {:?} m in block[0] ({})",
-                own_spacing[axis],
+                "cells of {} m along x{}, but of {} m in block[0] ({})",
+                own_spacing[axis].to_plain_text(),
                 axis + 1,
-                spacing[axis],
+                spacing[axis].to_plain_text(),
                 section.positions().locate("block[0]"),
             );
             let allowed = "all blocks are parts of one uniform grid: give them the same spacing";
@@ -235,9 +236,16 @@ impl BlockEntry {
         let [width, h] = [self.cells[0] as f64 * self.spacing[0], self.spacing[0]];
         let shift = self.row_shift / h;
         if (shift - shift.round()).abs() > CELL_TOLERANCE || shift.round() >= self.cells[0] as f64 {
-            let found = format!("found {:?} m, {shift:?} cells of {h:?} m", self.row_shift);
-            let allowed =
-                format!("expected a whole number of cells, less than a block of {width:?} m");
+            let found = format!(
+                "found {} m, {} cells of {} m",
+                self.row_shift.to_plain_text(),
+                shift.to_plain_text(),
+                h.to_plain_text()
+            );
+            let allowed = format!(
+                "expected a whole number of cells, less than a block of {width} m",
+                width = width.to_plain_text()
+            );
             return Err(section.key_error("row_shift", found, allowed));
         }
         let copies = self.repeat[0].checked_mul(self.repeat[1]);
@@ -450,17 +458,18 @@ fn cell_offset(
 ) -> Result<usize, CaseError> {
     let offset = (entry.origin[axis] - lower[axis]) / entry.spacing[axis];
     if offset > MAX_CELLS as f64 {
-        let found = format!("found x{} = {:?}", axis + 1, entry.origin[axis]);
+        let found = format!("found x{} = {}", axis + 1, entry.origin[axis].to_plain_text());
         let allowed = format!("{offset:e} cells from the other blocks; expected a tiling");
         return Err(section.key_error("origin", found, allowed));
     }
     if (offset - offset.round()).abs() > CELL_TOLERANCE {
         let found = format!(
-            "found x{} = {:?}, {offset:?} cells of {:?} m from {:?}, the lower end of the blocks",
+            "found x{} = {}, {} cells of {} m from {}, the lower end of the blocks",
             axis + 1,
-            entry.origin[axis],
-            entry.spacing[axis],
-            lower[axis],
+            entry.origin[axis].to_plain_text(),
+            offset.to_plain_text(),
+            entry.spacing[axis].to_plain_text(),
+            lower[axis].to_plain_text(),
         );
         let allowed = "faces of blocks must conform: expected a whole number of cells";
         return Err(section.key_error("origin", found, allowed));
@@ -535,19 +544,19 @@ fn tiling_error(
         let ranges = [0, 1].map(|axis| {
             let own = &blocks[block].cells[axis];
             format!(
-                "x{} from {:?} to {:?}",
+                "x{} from {} to {}",
                 axis + 1,
-                round_coordinate(lower_edge(axis, own.start)),
-                round_coordinate(lower_edge(axis, own.end))
+                lower_edge(axis, own.start).to_plain_text(),
+                lower_edge(axis, own.end).to_plain_text()
             )
         });
         ranges.join(", ")
     };
     let point = |cell: [usize; 2]| {
         format!(
-            "[{:?}, {:?}]",
-            round_coordinate(lower_edge(0, cell[0])),
-            round_coordinate(lower_edge(1, cell[1]))
+            "[{}, {}]",
+            lower_edge(0, cell[0]).to_plain_text(),
+            lower_edge(1, cell[1]).to_plain_text()
         )
     };
     match *fault {

@@ -8,6 +8,7 @@ use crate::schema::{
     ValueType,
 };
 use crate::section::{SectionReader, TableWriter};
+use models::common::decimal::ToPlainText;
 use models::common::elementary::Elementary;
 
 /// Maximum number of cells of a grid.
@@ -180,7 +181,7 @@ impl SolidGrid {
         let total = cells.iter().try_fold(1usize, |total, &cells| total.checked_mul(cells));
         if total.is_none_or(|total| total > MAX_CELLS) {
             let numbers: Vec<String> = cells.iter().map(usize::to_string).collect();
-            let found = format!("a grid of {}", numbers.join(" × "));
+            let found = format!("found a grid of {}", numbers.join(" × "));
             let allowed = format!("expected at most {MAX_CELLS} cells in total");
             return Err(section.key_error("cells", found, allowed));
         }
@@ -216,7 +217,11 @@ impl SolidGrid {
         let inner: f64 = section.read_required("inner_radius")?;
         let outer: f64 = section.read_required("outer_radius")?;
         if outer <= inner {
-            let found = format!("found {outer:?} with inner_radius = {inner:?}");
+            let found = format!(
+                "found {outer} with inner_radius = {inner}",
+                outer = outer.to_plain_text(),
+                inner = inner.to_plain_text()
+            );
             let allowed = "outer_radius must be greater than inner_radius";
             return Err(section.key_error("outer_radius", found, allowed));
         }
@@ -224,7 +229,11 @@ impl SolidGrid {
         let [first, last] = [angles[0], angles[1]];
         let angle = last - first;
         if angle.is_nan() || angle <= 0.0 || angle > CIRCLE_DEG * (1.0 + 1e-9) {
-            let found = format!("found [{first:?}, {last:?}]");
+            let found = format!(
+                "found [{first}, {last}]",
+                first = first.to_plain_text(),
+                last = last.to_plain_text()
+            );
             let allowed = "the second angle must be greater than the first, by at most 360";
             return Err(section.key_error("angles_deg", found, allowed));
         }
@@ -249,8 +258,12 @@ impl SolidGrid {
             let [first, last] = self.axis_bounds(axis);
             let largest = first.abs().max(last.abs());
             if !largest.is_finite() || self.spacing[axis] <= 8.0 * f64::EPSILON * largest {
-                let found =
-                    format!("cells of {:?} m from {first:?} to {last:?}", self.spacing[axis]);
+                let found = format!(
+                    "cells of {} m from {} to {}",
+                    self.spacing[axis].to_plain_text(),
+                    first.to_plain_text(),
+                    last.to_plain_text()
+                );
                 let allowed = format!(
                     "expected a spacing at which cell coordinates along x{} differ in double precision",
                     axis + 1

@@ -10,6 +10,7 @@ use super::tiling::BlockContact;
 use crate::error::CaseError;
 use crate::schema::{KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter, join_with_commas};
+use models::common::decimal::ToPlainText;
 use models::common::parameter::Presence;
 use models::interface::kinds::{
     LayerKind, MASS_OPTION, NORMAL_COMPONENT_NAMES, TANGENTIAL_COMPONENT_NAMES,
@@ -417,9 +418,10 @@ impl SolidReader<'_> {
                 let name = if is_part { "row_shift" } else { "cells" };
                 let at = contact_centre(contact, self.grid).map(round_coordinate);
                 let found = format!(
-                    "a {} of {length} cells along x{} beside the joint at {at:?} (joint[{joint}], {})",
+                    "a {} of {length} cells along x{} beside the joint at {} (joint[{joint}], {})",
                     if is_part { "part of a block" } else { "block" },
                     contact.axis + 1,
+                    at.to_plain_text(),
                     root.locate(&format!("joint[{joint}]")),
                 );
                 let allowed = format!(
@@ -475,7 +477,10 @@ fn assign_joint(
     match (count, selector) {
         (0, _) => Err(no_face_error(selector, grid, tiling, section)),
         (2.., JointSelector::FaceContaining(at)) => {
-            let found = format!("found {at:?}, a point of {count} faces between blocks");
+            let found = format!(
+                "found {at}, a point of {count} faces between blocks",
+                at = at.to_plain_text()
+            );
             Err(section.key_error("at", found, "name a point inside one face, not at its end"))
         }
         _ => Ok(()),
@@ -511,7 +516,10 @@ fn no_face_error(
             section.key_error("between", found, allowed)
         }
         JointSelector::FaceContaining(at) => {
-            let found = format!("found {at:?}, a point on no face between two blocks");
+            let found = format!(
+                "found {at}, a point on no face between two blocks",
+                at = at.to_plain_text()
+            );
             section.key_error("at", found, format!("faces between blocks: {planes}"))
         }
     }
@@ -528,7 +536,7 @@ fn describe_planes(axis: usize, grid: &SolidGrid, tiling: &BlockTiling) -> Strin
     let mut descriptions: Vec<String> = planes
         .iter()
         .take(MAX_LISTED_ITEMS)
-        .map(|plane| format!("{:?}", round_coordinate(lower_edge(grid, axis, *plane))))
+        .map(|plane| round_coordinate(lower_edge(grid, axis, *plane)).to_plain_text())
         .collect();
     if planes.len() > MAX_LISTED_ITEMS {
         descriptions.push("…".to_owned());

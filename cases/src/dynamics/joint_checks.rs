@@ -4,6 +4,7 @@ use super::joint_keys::{LAYER_END_NAMES, LAYER_ENDS};
 use crate::error::CaseError;
 use crate::section::{SectionReader, join_with_commas};
 use models::InputError;
+use models::common::decimal::ToPlainText;
 use models::interface::kinds::{FRACTURE_OPTION, LayerKind, LayerModel};
 use models::registry;
 
@@ -66,8 +67,8 @@ pub(super) fn constant_error(
         "tensile_strength" => {
             bound(["shear_strength", "shear_friction"]).map(|[strength, friction]| {
                 format!(
-                    "expected at most shear_strength/shear_friction = {:?} Pa, the apex of the yield set",
-                    strength / friction
+                    "expected at most shear_strength/shear_friction = {} Pa, the apex of the yield set",
+                    (strength / friction).to_plain_text()
                 )
             })
         }

@@ -7,6 +7,7 @@ use crate::schema::{
     AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
 };
 use crate::section::{SectionReader, TableWriter};
+use models::common::decimal::ToPlainText;
 use models::solid::parameters::Theory;
 
 const PLANE_CONDITION: &[KeyCondition] = &[KeyCondition::PlaneStrain];
@@ -167,8 +168,9 @@ impl Kernel {
             (None | Some("cell"), Some(0.0)) | (Some("cell"), None) => Ok(Some(Self::Cell)),
             (None | Some("bell"), Some(radius)) if radius > 0.0 => Ok(Some(Self::Bell { radius })),
             (Some("bell"), found) => {
-                let found =
-                    found.map_or("missing".to_owned(), |radius| format!("found {radius:?}"));
+                let found = found.map_or("missing".to_owned(), |radius| {
+                    format!("found {radius}", radius = radius.to_plain_text())
+                });
                 let allowed = "expected a positive number in m (radius of the bell)";
                 Err(section.key_error("radius", found, allowed))
             }

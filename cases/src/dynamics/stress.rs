@@ -6,6 +6,7 @@ use crate::error::CaseError;
 use crate::schema::{AllowedRange, KeyGroup, KeySchema, ListLength, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter};
 use crate::value::parse_number;
+use models::common::decimal::ToPlainText;
 use models::solid::parameters::Theory;
 use models::solid::waves::SolidField;
 
@@ -66,7 +67,10 @@ impl Gravity {
         let axes = acceleration.iter().filter(|a| **a != 0.0).count();
         if is_balanced && axes != 1 {
             let stated = if section.has_key("balanced") { "" } else { ", the default," };
-            let found = format!("found true{stated} with the acceleration {acceleration:?}");
+            let found = format!(
+                "found true{stated} with the acceleration {acceleration}",
+                acceleration = acceleration.to_plain_text()
+            );
             let allowed = "give an acceleration along one axis, or set balanced = false";
             return Err(section.key_error("balanced", found, allowed));
         }

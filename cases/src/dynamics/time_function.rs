@@ -4,6 +4,7 @@ use super::reader::SolidReader;
 use crate::error::{CaseError, SourcePosition, escape};
 use crate::schema::{AllowedRange, KeyCondition, KeyGroup, KeySchema, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter};
+use models::common::decimal::ToPlainText;
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -397,7 +398,11 @@ fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static s
         match numbers[..] {
             [Some(time), Some(value)] if time.is_finite() && value.is_finite() => {
                 if let Some([before, _]) = samples.last().filter(|[before, _]| *before >= time) {
-                    let found = format!("found the time {time:?} after {before:?}");
+                    let found = format!(
+                        "found the time {time} after {before}",
+                        time = time.to_plain_text(),
+                        before = before.to_plain_text()
+                    );
                     return Err((index + 1, found, "times must increase"));
                 }
                 samples.push([time, value]);

@@ -10,6 +10,7 @@ use crate::schema::{
 use crate::section::{SectionReader, TableWriter};
 use crate::value::parse_number;
 use files::FileDigest;
+use models::common::decimal::ToPlainText;
 use models::common::decimal::format_rounded;
 use models::flow::RotationKind;
 use std::path::Path;
@@ -321,15 +322,21 @@ impl FlowReader<'_> {
         let field = self.read_field(section)?;
         let (from, to): (f64, f64) = (section.read_required("from")?, section.read_required("to")?);
         if to < from {
-            let found = format!("found {to:?} with from = {from:?}");
+            let found = format!(
+                "found {to} with from = {from}",
+                to = to.to_plain_text(),
+                from = from.to_plain_text()
+            );
             return Err(section.key_error("to", found, "to must be at least from"));
         }
         let [first, second] = self.grid.max_mode_numbers();
         let greatest = first.min(second) as f64;
         if to > greatest {
             let found = format!(
-                "found {to:?} with {} × {} points",
-                self.grid.points[0], self.grid.points[1]
+                "found {} with {} × {} points",
+                to.to_plain_text(),
+                self.grid.points[0],
+                self.grid.points[1]
             );
             let allowed = format!(
                 "expected at most {}: use more grid points, or longer waves",
@@ -340,7 +347,11 @@ impl FlowReader<'_> {
         let first = |m1: i64| (from * from - (m1 * m1) as f64).max(0.0).sqrt().ceil();
         let holds = |m1: i64| first(m1).powi(2) + (m1 * m1) as f64 <= to * to;
         if !(0..=to as i64).any(holds) {
-            let found = format!("no mode with √(m₁² + m₂²) between {from:?} and {to:?}");
+            let found = format!(
+                "no mode with √(m₁² + m₂²) between {from} and {to}",
+                from = from.to_plain_text(),
+                to = to.to_plain_text()
+            );
             return Err(section.key_error("to", found, "use a wider band, e.g. from = 1 to = 8"));
         }
         let amplitude = Self::read_amplitude(section, field)?;

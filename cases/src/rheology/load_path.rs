@@ -6,6 +6,7 @@ use crate::schema::{
     AllowedRange, KeyCondition, KeyGroup, KeySchema, SchemaScope, TableSchema, ValueType,
 };
 use crate::section::{SectionReader, TableWriter};
+use models::common::decimal::ToPlainText;
 use models::rheology::load_path::{LoadPath, LoadPathError, MAX_STEPS};
 use models::rheology::scheme::LoadControl;
 
@@ -159,7 +160,11 @@ fn locate_path_error(
         }
         LoadPathError::Rate(rate) => {
             let allowed = "give a rate at which every segment takes a finite time above 0";
-            section.key_error(RATE_KEY, format!("found {rate:?}"), allowed)
+            section.key_error(
+                RATE_KEY,
+                format!("found {rate}", rate = rate.to_plain_text()),
+                allowed,
+            )
         }
         LoadPathError::TooFewPoints if *history != LoadHistory::Points => {
             let allowed = "give at least one value other than 0";

@@ -7,25 +7,25 @@
 //!   pair and the impedance z of open pores. A smaller impedance where pores may collapse would feed energy
 //!   into the stiffer state. A plastic skeleton excludes such faces: with them, the limited reconstruction keeps a
 //!   compaction shock behind an elastic precursor that is too weak, against the entropy condition, on any grid.
-//! - Open faces of granular media: where the contacts of both cells stay open during the sweep, by the same estimate, or
-//!   where the normal stress of the face would be tensile, the face has no traction, and each side has its own velocity
-//!   v ∓ s/z. Between two granular cells both take half of the rate at which the face opens as strain; beside a solid the
-//!   granular cell takes all of it. Media whose friction cone transmits tension have no such faces.
-//!
-//! Faces of physical boundaries always have the impedance of closed contacts and transmit tension.
+//! - Faces of granular media: the traction is in the cone of those that the friction cone admits on a plane; see
+//!   [`separation`]. Media whose friction cone transmits tension have no such faces.
 
 #![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
+
+pub(crate) mod separation;
 
 use super::cell::CellConstants;
 use super::contact_law::ContactLaw;
 use super::medium::Medium;
 use super::problem::Problem;
 use super::reconstruction::{InterlayerStencil, Slopes};
-use super::riemann::{InterfaceState, State};
+use super::riemann::{InterfaceState, RiemannInvariants, State};
 use crate::simd::{LaneGroup, Number, Real, Vector};
+use models::solid::waves::VelocityStressPair;
 use models::uniaxial::NO_LIMIT;
+use separation::{ExcessInvariants, TractionCone, continuity, tangential_magnitude};
 
-/// Constants of a medium at faces normal to an axis, for the longitudinal pair of waves.
+/// Constants of a medium at faces normal to an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ContactConstants<N> {
     /// Constants of a cell with open pores; those of the cell itself in other media.
@@ -39,11 +39,16 @@ pub(crate) struct ContactConstants<N> {
     pub(crate) strain_per_velocity: N,
     /// Greatest strain per sum of stress jumps, 2t/(hz) with the impedance z of open pores, 1/Pa.
     pub(crate) strain_per_stress: N,
-    /// 1 in granular media without tension, else 0.
-    pub(crate) is_granular: N,
-    /// Volumetric strain of open contacts per sum of the normal components of the excess stress, 1/(3k), 1/Pa; 0 in other
-    /// media.
-    pub(crate) excess_compliance: N,
+    /// The same for transverse pairs, s/m and 1/Pa, in terms of longitudinal strain: a shear strain γ changes what keeps
+    /// open contacts open as much as the longitudinal strain (æ/c)γ/√2/r, see `excess_compliances`; 0 in media that do
+    /// not separate.
+    pub(crate) shear_strains: [N; 2],
+    /// Greatest ratio of tangential to normal traction; [`NO_LIMIT`] in media that do not separate.
+    pub(crate) friction: N,
+    /// Strain that closes open contacts: 1/(3kr) per sum of the normal components of the excess stress, less æc/(Mr) per
+    /// norm of its deviator, 1/Pa, with r = 1 + √(2/3) æ/c; 0 in media that do not separate. The excess q keeps the
+    /// contacts open while tr q/(3k) > (æc/M)|dev q|, and a longitudinal strain e changes the difference by at most r|e|.
+    pub(crate) excess_compliances: [N; 2],
 }
 
 impl<T: Real> ContactConstants<T> {
@@ -66,20 +71,36 @@ impl<T: Real> ContactConstants<T> {
             }
             _ => {}
         }
-        let granular = match &medium.contact {
-            Some(ContactLaw::Granular { law, .. }) if !law.transmits_tension() => Some(law),
+        let separating = match &medium.contact {
+            Some(ContactLaw::Granular { law, .. }) => {
+                law.traction_friction().map(|friction| (law, friction))
+            }
             _ => None,
         };
+        let transverse = medium.pairs[axis].iter().find(|pair| !pair.is_longitudinal());
+        let (mut shear_strains, mut friction, mut excess_compliances) =
+            ([0.0; 2], NO_LIMIT, [0.0; 2]);
+        if let Some((law, traction_friction)) = separating {
+            let slope = law.friction / law.intensity_factor;
+            let of_strain = 1.0 + (2.0f64 / 3.0).sqrt() * slope;
+            let of_shear = 2.0 * duration * slope * 0.5f64.sqrt() / of_strain;
+            let impedance = transverse.map_or(1.0, VelocityStressPair::impedance);
+            shear_strains = [of_shear, of_shear / impedance];
+            friction = traction_friction;
+            excess_compliances = [
+                1.0 / (3.0 * law.bulk_modulus * of_strain),
+                law.friction * law.intensity_factor / (law.energy_modulus * of_strain),
+            ];
+        }
         Self {
             open: slopes.cell_constants(&open, open.speed() * duration, has_interfaces),
             impedance_ratio: T::from_f64(closed_impedance / open.impedance()),
             porosity: T::from_f64(porosity),
             strain_per_velocity: T::from_f64(2.0 * duration),
             strain_per_stress: T::from_f64(2.0 * duration / open.impedance()),
-            is_granular: T::from_f64(f64::from(u8::from(granular.is_some()))),
-            excess_compliance: T::from_f64(
-                granular.map_or(0.0, |law| 1.0 / (3.0 * law.bulk_modulus)),
-            ),
+            shear_strains: shear_strains.map(T::from_f64),
+            friction: T::from_f64(friction),
+            excess_compliances: excess_compliances.map(T::from_f64),
         }
     }
 }
@@ -114,6 +135,27 @@ impl<T: Real> ContactConstants<T> {
         problem.media.iter().map(constants).collect()
     }
 
+    /// Creates the constants of a group from those of its lanes.
+    pub(crate) fn group(lane: impl Fn(usize) -> Self) -> ContactConstants<T::Lanes> {
+        let lanes_of = |of: fn(&Self) -> T| T::Lanes::from_lanes(|index| of(&lane(index)));
+        ContactConstants {
+            open: CellConstants::from_lanes(|index| lane(index).open),
+            impedance_ratio: lanes_of(|own| own.impedance_ratio),
+            porosity: lanes_of(|own| own.porosity),
+            strain_per_velocity: lanes_of(|own| own.strain_per_velocity),
+            strain_per_stress: lanes_of(|own| own.strain_per_stress),
+            shear_strains: [
+                lanes_of(|own| own.shear_strains[0]),
+                lanes_of(|own| own.shear_strains[1]),
+            ],
+            friction: lanes_of(|own| own.friction),
+            excess_compliances: [
+                lanes_of(|own| own.excess_compliances[0]),
+                lanes_of(|own| own.excess_compliances[1]),
+            ],
+        }
+    }
+
     /// Sets the constants of a lane of a group.
     pub(crate) fn set_lane(lanes: &mut ContactConstants<T::Lanes>, lane: usize, own: &Self) {
         lanes.open.set_lane(lane, &own.open);
@@ -121,15 +163,19 @@ impl<T: Real> ContactConstants<T> {
         lanes.porosity.lanes_mut()[lane] = own.porosity;
         lanes.strain_per_velocity.lanes_mut()[lane] = own.strain_per_velocity;
         lanes.strain_per_stress.lanes_mut()[lane] = own.strain_per_stress;
-        lanes.is_granular.lanes_mut()[lane] = own.is_granular;
-        lanes.excess_compliance.lanes_mut()[lane] = own.excess_compliance;
+        lanes.friction.lanes_mut()[lane] = own.friction;
+        for index in 0..2 {
+            lanes.shear_strains[index].lanes_mut()[lane] = own.shear_strains[index];
+            lanes.excess_compliances[index].lanes_mut()[lane] = own.excess_compliances[index];
+        }
     }
 }
 
 impl<V: Number> ContactConstants<V> {
-    /// Estimates the greatest strain that the jumps at the face between two cells can cause during the sweep.
+    /// Estimates the greatest strain that the jumps of the longitudinal pair at the face between two cells can cause
+    /// during the sweep.
     #[inline(always)]
-    fn face_strain(&self, [lower, upper]: [State<V>; 2]) -> V {
+    pub(crate) fn face_strain(&self, [lower, upper]: [State<V>; 2]) -> V {
         self.strain_per_velocity * magnitude(upper.velocity - lower.velocity)
             + self.strain_per_stress * magnitude(upper.stress - lower.stress)
     }
@@ -145,8 +191,12 @@ impl<V: Number> ContactConstants<V> {
             porosity: V::load(&from.porosity),
             strain_per_velocity: V::load(&from.strain_per_velocity),
             strain_per_stress: V::load(&from.strain_per_stress),
-            is_granular: V::load(&from.is_granular),
-            excess_compliance: V::load(&from.excess_compliance),
+            shear_strains: [V::load(&from.shear_strains[0]), V::load(&from.shear_strains[1])],
+            friction: V::load(&from.friction),
+            excess_compliances: [
+                V::load(&from.excess_compliances[0]),
+                V::load(&from.excess_compliances[1]),
+            ],
         }
     }
 }
@@ -162,75 +212,80 @@ pub(crate) struct FaceContacts<N> {
     pub(crate) volumetric_strain: Option<[N; 2]>,
     /// Factors of the porosities, which are those of the fields in polar blocks; else 1.
     pub(crate) porosity_factors: [N; 2],
-    /// Sum of the normal components of the excess stress, Pa; `None` without granular media.
-    pub(crate) excess: Option<[N; 2]>,
+    /// Excess stresses; `None` without media that separate.
+    pub(crate) excess: Option<[ExcessInvariants<N>; 2]>,
 }
 
-/// Cells around a face: states and constants of a wave pair in four cells, and the constants of the contacts.
-pub(crate) struct FaceStencil<'a, N> {
-    pub(crate) states: [State<N>; 4],
-    pub(crate) cells: [&'a CellConstants<N>; 4],
+/// Cells around a face: states and constants of all pairs of waves in four cells, and the constants of the contacts.
+pub(crate) struct FaceStencil<'a, N, const P: usize> {
+    pub(crate) states: [[State<N>; 4]; P],
+    pub(crate) cells: [[&'a CellConstants<N>; 4]; P],
     pub(crate) contacts: [&'a ContactConstants<N>; 4],
+    /// Index of the longitudinal pair.
+    pub(crate) longitudinal: usize,
 }
 
-/// Interface states of a pair of waves for both cells, and 1 where the face has no traction, else 0; `None` without
-/// granular media.
-pub(crate) type OpenFace<N> = ([InterfaceState<N>; 2], Option<N>);
-
-impl<N: Number> FaceStencil<'_, N> {
-    /// Solves the Riemann problem of the longitudinal pair.
+impl<N: Number, const P: usize> FaceStencil<'_, N, P> {
+    /// Solves the Riemann problems of all pairs; returns the interface states for the cells below and above the face.
     #[inline(always)]
-    pub(crate) fn solve_longitudinal(
+    pub(crate) fn solve(
         &self,
         beside: &FaceContacts<N>,
         slopes: Slopes,
-    ) -> OpenFace<N> {
+    ) -> [[InterfaceState<N>; 2]; P] {
+        let longitudinal = self.longitudinal;
         let has_open_pores = match beside.volumetric_strain {
             Some(strains) => self.has_open_pores(strains, beside.porosity_factors),
             None => N::ZERO,
         };
-        let mut cells = [*self.cells[0], *self.cells[1], *self.cells[2], *self.cells[3]];
+        let [first, lower, upper, last] = self.cells[longitudinal];
+        let mut present = [*first, *lower, *upper, *last];
         for depth in 0..4 {
-            cells[depth] =
-                select_constants(has_open_pores, &self.contacts[depth].open, self.cells[depth]);
+            present[depth] =
+                select_constants(has_open_pores, &self.contacts[depth].open, &present[depth]);
         }
-        let waves = face_waves(self.states, [&cells[0], &cells[1], &cells[2], &cells[3]], slopes);
-        let mut solution = InterfaceState::riemann([cells[1].impedance, cells[2].impedance], waves);
+        let mut cells = self.cells;
+        cells[longitudinal] = [&present[0], &present[1], &present[2], &present[3]];
+        let (mut continuity, mut is_boundary) = ([N::ONE; 3], N::ZERO);
+        if let Some([below, above]) = beside.excess {
+            continuity = self.continuity(&cells);
+            is_boundary = below.is_outside().max(above.is_outside());
+        }
+        let unsolved = InterfaceState { difference: N::ZERO, sum: N::ZERO };
+        let mut solutions = [[unsolved; 2]; P];
+        for pair in 0..P {
+            let [_, lower, upper, _] = cells[pair];
+            let [right, left] = face_waves(self.states[pair], cells[pair], continuity, slopes);
+            // Mirror images have no slope across a boundary.
+            let below = RiemannInvariants::from_state(self.states[pair][1], lower);
+            let above = RiemannInvariants::from_state(self.states[pair][2], upper);
+            let waves = [
+                is_boundary.select_gt(N::ZERO, below.right, right),
+                is_boundary.select_gt(N::ZERO, above.left, left),
+            ];
+            solutions[pair] = InterfaceState::riemann([lower.impedance, upper.impedance], waves);
+        }
+        if let Some(excess) = beside.excess {
+            self.separate(&cells, excess, is_boundary, &mut solutions);
+        }
         for side in 0..2 {
             // Scaled by the impedance of closed contacts, as the update of the cell requires.
             let ratio = self.contacts[1 + side].impedance_ratio;
             let ratio = has_open_pores.select_gt(N::ZERO, ratio, N::ONE);
-            solution[side].difference = ratio * solution[side].difference;
+            let state = &mut solutions[longitudinal][side];
+            state.difference = ratio * state.difference;
         }
-        let Some(excess) = beside.excess else { return (solution, None) };
-        let is_open = self.is_open(excess, solution[0].sum);
-        (self.open_face(waves, solution, is_open), Some(is_open))
+        solutions
     }
 
-    /// Solves the Riemann problem of a transverse pair at a face that is open where `is_open` is 1; `None` without
-    /// granular media.
-    #[inline(always)]
-    pub(crate) fn solve_transverse(
-        &self,
-        is_open: Option<N>,
-        slopes: Slopes,
-    ) -> [InterfaceState<N>; 2] {
-        let waves = face_waves(self.states, self.cells, slopes);
-        let impedances = [self.cells[1].impedance, self.cells[2].impedance];
-        let solution = InterfaceState::riemann(impedances, waves);
-        match is_open {
-            Some(is_open) => self.open_face(waves, solution, is_open),
-            None => solution,
-        }
-    }
-
-    /// Estimates the greatest strain that the sweep can cause in each of the two cells beside the face.
+    /// Estimates the greatest longitudinal strain that the sweep can cause in each of the two cells beside the face.
     #[inline(always)]
     fn greatest_strains(&self) -> [N; 2] {
+        let states = &self.states[self.longitudinal];
         let mut strains = [N::ZERO; 2];
         for side in 0..2 {
             for face in 0..3 {
-                let states = [self.states[face], self.states[face + 1]];
+                let states = [states[face], states[face + 1]];
                 strains[side] = strains[side] + self.contacts[1 + side].face_strain(states);
             }
         }
@@ -250,57 +305,114 @@ impl<N: Number> FaceStencil<'_, N> {
         is_open
     }
 
-    /// Returns 1 where a granular medium has no traction at the face, else 0; `normal_stress`: a positive multiple of the
-    /// normal stress that the closed face would have.
+    /// Returns for the three faces of the stencil 0 where the cells separate, else 1; see [`continuity`].
     #[inline(always)]
-    fn is_open(&self, excess: [N; 2], normal_stress: N) -> N {
-        let [lower, upper] = [self.contacts[1].is_granular, self.contacts[2].is_granular];
-        let boundary = N::from_f64(0.5 * BOUNDARY_HISTORY);
-        let greatest_strains = self.greatest_strains();
-        let (mut stay_open, mut is_inner) = (N::ONE, lower.max(upper));
-        for side in 0..2 {
-            let contact = self.contacts[1 + side];
-            // Open contacts have an excess and no stress.
-            let stress = magnitude(self.states[1 + side].stress);
-            let opening = excess[side] * contact.excess_compliance;
-            let stays_open = opening.select_gt(
-                greatest_strains[side],
-                stress.select_gt(N::ZERO, N::ZERO, N::ONE),
-                N::ZERO,
-            );
-            stay_open = stay_open * contact.is_granular.select_gt(N::ZERO, stays_open, N::ONE);
-            is_inner = boundary.select_gt(excess[side], N::ZERO, is_inner);
-        }
-        is_inner * normal_stress.select_gt(N::ZERO, N::ONE, stay_open)
-    }
-
-    /// Replaces the solution of the Riemann problem where the face is open.
-    #[inline(always)]
-    fn open_face(
-        &self,
-        [left, right]: [N; 2],
-        solution: [InterfaceState<N>; 2],
-        is_open: N,
-    ) -> [InterfaceState<N>; 2] {
-        let [lower, upper] = [self.cells[1].impedance, self.cells[2].impedance];
-        let [granular_below, granular_above] =
-            [self.contacts[1].is_granular, self.contacts[2].is_granular];
-        // Twice the shares of the opening that the cells take as strain: 2 and 0, both 1, or 0 and 2. In one medium the
-        // velocity is that of the closed face, bit for bit.
-        let above_weight = granular_below * (N::ONE + N::ONE - granular_above);
-        let below_weight = N::ONE + N::ONE - above_weight;
-        // Velocities of both sides, −left/lower and right/upper, times the impedance of each cell.
-        let ratios = [lower / upper, upper / lower];
-        let scaled = [[-left, ratios[0] * right], [-(ratios[1] * left), right]];
-        let mut result = solution;
-        for side in 0..2 {
-            let [below, above] = scaled[side];
-            let velocity = below_weight * below + above_weight * above;
-            let state = &mut result[side];
-            state.difference = is_open.select_gt(N::ZERO, velocity, state.difference);
-            state.sum = is_open.select_gt(N::ZERO, N::ZERO, state.sum);
+    fn continuity(&self, cells: &[[&CellConstants<N>; 4]; P]) -> [N; 3] {
+        let mut result = [N::ONE; 3];
+        for face in 0..3 {
+            let [below, above] = [self.contacts[face].friction, self.contacts[face + 1].friction];
+            let mut tractions = [N::ZERO; P];
+            let mut stresses = [N::ZERO; 2];
+            for pair in 0..P {
+                let [lower, upper] = [cells[pair][face], cells[pair][face + 1]];
+                let states = [self.states[pair][face], self.states[pair][face + 1]];
+                let waves = [
+                    RiemannInvariants::from_state(states[0], lower).right,
+                    RiemannInvariants::from_state(states[1], upper).left,
+                ];
+                let impedances = [lower.impedance, upper.impedance];
+                tractions[pair] = InterfaceState::riemann(impedances, waves)[0].sum;
+                for side in 0..2 {
+                    stresses[side] = stresses[side] + magnitude(states[side].stress);
+                }
+            }
+            // The stress of a medium that does not separate does not matter.
+            let no_limit = N::from_f64(NO_LIMIT);
+            let stress = no_limit.select_gt(below, stresses[0], N::ZERO)
+                + no_limit.select_gt(above, stresses[1], N::ZERO);
+            result[face] = continuity(below.min(above), tractions, self.longitudinal, stress);
         }
         result
+    }
+
+    /// Cuts the tractions of a face to the cone of those that media which separate admit, and divides the gap between
+    /// the velocities of both sides; see [`separation`].
+    #[inline(always)]
+    fn separate(
+        &self,
+        cells: &[[&CellConstants<N>; 4]; P],
+        excess: [ExcessInvariants<N>; 2],
+        is_boundary: N,
+        solutions: &mut [[InterfaceState<N>; 2]; P],
+    ) {
+        let [below, above] = [self.contacts[1].friction, self.contacts[2].friction];
+        let friction = below.min(above);
+        let separates = N::from_f64(NO_LIMIT).select_gt(friction, N::ONE - is_boundary, N::ZERO);
+        // Share of the gap that the lower cell takes as strain.
+        let share = above.select_gt(below, N::ONE, below.select_gt(above, N::ZERO, N::HALF));
+        let mut tractions = [N::ZERO; P];
+        let mut admittances = [N::ZERO; P];
+        for pair in 0..P {
+            let [_, lower, upper, _] = cells[pair];
+            tractions[pair] = solutions[pair][0].sum;
+            admittances[pair] = N::ONE / lower.impedance + N::ONE / upper.impedance;
+        }
+        let longitudinal = self.longitudinal;
+        let transverse = if longitudinal == 0 { P - 1 } else { 0 };
+        let cone = TractionCone::new(friction, admittances[transverse] / admittances[longitudinal]);
+        let tangential = tangential_magnitude(tractions, longitudinal);
+        let (normal, factor) = cone.project(tractions[longitudinal], tangential);
+        let stays_open = self.stays_open(excess);
+        for pair in 0..P {
+            let [_, lower, upper, _] = cells[pair];
+            let closed = tractions[pair];
+            let admitted = if pair == longitudinal { normal } else { factor * closed };
+            let admitted = stays_open.select_gt(N::ZERO, N::ZERO, admitted);
+            let admitted = separates.select_gt(N::ZERO, admitted, closed);
+            // The velocity of the closed face divides the gap in the ratio of the impedances. In one medium it is kept, bit
+            // for bit.
+            let excess_share = upper.impedance / (lower.impedance + upper.impedance) - share;
+            let is_shifted = separates * magnitude(excess_share);
+            let shift = excess_share * (admittances[pair] * (closed - admitted));
+            let impedances = [lower.impedance, upper.impedance];
+            for side in 0..2 {
+                let state = &mut solutions[pair][side];
+                let shifted = state.difference - impedances[side] * shift;
+                state.difference = is_shifted.select_gt(N::ZERO, shifted, state.difference);
+                state.sum = admitted;
+            }
+        }
+    }
+
+    /// Returns 1 where the contacts of separating media beside the face are open and stay so during the sweep, else 0.
+    #[inline(always)]
+    fn stays_open(&self, excess: [ExcessInvariants<N>; 2]) -> N {
+        let mut stays_open = N::ONE;
+        for side in 0..2 {
+            let contact = self.contacts[1 + side];
+            let (mut strain, mut stress) = (N::ZERO, N::ZERO);
+            for face in 0..3 {
+                strain = strain
+                    + separation::face_strain(contact, self.jump_states(face), self.longitudinal);
+            }
+            for pair in 0..P {
+                stress = stress + magnitude(self.states[pair][1 + side].stress);
+            }
+            let own = separation::stays_open(excess[side].opening(contact), strain, stress);
+            let separates = N::from_f64(NO_LIMIT).select_gt(contact.friction, own, N::ONE);
+            stays_open = stays_open * separates;
+        }
+        stays_open
+    }
+
+    /// Returns the states of all pairs in the two cells beside a face of the stencil.
+    #[inline(always)]
+    fn jump_states(&self, face: usize) -> [[State<N>; 2]; P] {
+        let mut states = [[self.states[0][0]; 2]; P];
+        for pair in 0..P {
+            states[pair] = [self.states[pair][face], self.states[pair][face + 1]];
+        }
+        states
     }
 }
 
@@ -309,15 +421,17 @@ impl<N: Number> FaceStencil<'_, N> {
 fn face_waves<N: Number>(
     states: [State<N>; 4],
     cells: [&CellConstants<N>; 4],
+    continuity: [N; 3],
     slopes: Slopes,
 ) -> [N; 2] {
     let [first, lower, upper, _] = cells;
     let carried = slopes.carried_invariants(
         [states[0], states[1], states[2]],
         [first, lower, upper],
-        [N::ONE; 2],
+        [continuity[0], continuity[1]],
     );
-    slopes.face_values_in_mixed_media(carried, [states[1], states[2], states[3]], cells, None).0
+    let around = [states[1], states[2], states[3]];
+    slopes.face_values_in_mixed_media(carried, around, cells, Some(continuity)).0
 }
 
 /// Returns the constants `one` where `condition` is positive, else `other`.
@@ -345,95 +459,8 @@ fn select_constants<N: Number>(
 }
 
 #[inline(always)]
-fn magnitude<N: Number>(value: N) -> N {
+pub(crate) fn magnitude<N: Number>(value: N) -> N {
     value.max(-value)
-}
-
-/// Faces of a granular medium along a line: what one face leaves to the next. The results are those of [`FaceStencil`]
-/// for cells of one medium.
-#[derive(Clone, Copy)]
-pub(crate) struct SeparationStencil<V> {
-    /// Estimates of the strain that the jumps at the next face and at the face below it can cause, from the lower one.
-    strains: [V; 2],
-    below: ContactState<V>,
-}
-
-/// Contacts of a group of cells.
-#[derive(Clone, Copy)]
-struct ContactState<V> {
-    /// Volumetric strain by which the contacts are open.
-    opening: V,
-    /// Mask of the lanes that are under stress or beyond a physical boundary.
-    stressed: u16,
-    outside: u16,
-}
-
-impl<V: Number> ContactState<V> {
-    #[inline(always)]
-    fn new<T: Real>(state: State<V>, excess: V, constants: &ContactConstants<V>) -> Self
-    where
-        V: Vector<T>,
-    {
-        let boundary = <V as Number>::from_f64(0.5 * BOUNDARY_HISTORY);
-        Self {
-            opening: excess * constants.excess_compliance,
-            stressed: magnitude(state.stress).greater_lanes(V::ZERO),
-            outside: boundary.greater_lanes(excess),
-        }
-    }
-}
-
-impl<V: Number> SeparationStencil<V> {
-    /// Creates the stencil of the face between two groups; `excess`: that of the lower one, `first_strain`: what
-    /// [`Self::lower_strain`] has returned.
-    #[inline(always)]
-    pub(crate) fn new<T: Real>(
-        states: [State<V>; 2],
-        first_strain: V,
-        excess: V,
-        constants: &ContactConstants<V>,
-    ) -> Self
-    where
-        V: Vector<T>,
-    {
-        Self {
-            strains: [first_strain, constants.face_strain(states)],
-            below: ContactState::new(states[0], excess, constants),
-        }
-    }
-
-    /// Returns the estimate for the face below the next one.
-    #[inline(always)]
-    pub(crate) fn lower_strain(&self) -> V {
-        self.strains[0]
-    }
-
-    /// Returns the mask of the lanes without traction at the face below the first of two groups, and advances to the
-    /// next face. `excess`: that of the first group; `normal_stress`: a positive multiple of the normal stress that the
-    /// closed face would have.
-    #[inline(always)]
-    pub(crate) fn find_open_lanes<T: Real>(
-        &mut self,
-        states: [State<V>; 2],
-        excess: V,
-        normal_stress: V,
-        constants: &ContactConstants<V>,
-    ) -> u16
-    where
-        V: Vector<T>,
-    {
-        let above = ContactState::new(states[0], excess, constants);
-        let strain = constants.face_strain(states);
-        let greatest_strain = self.strains[0] + self.strains[1] + strain;
-        let stay_open = self.below.opening.greater_lanes(greatest_strain)
-            & above.opening.greater_lanes(greatest_strain)
-            & !(self.below.stressed | above.stressed);
-        let is_tensile = normal_stress.greater_lanes(V::ZERO);
-        let is_granular = constants.is_granular.greater_lanes(V::ZERO);
-        let outside = self.below.outside | above.outside;
-        *self = Self { strains: [self.strains[1], strain], below: above };
-        (stay_open | is_tensile) & is_granular & !outside
-    }
 }
 
 /// Faces of a porous medium along a line: what one face leaves to the next. The results are those of [`FaceStencil`] for

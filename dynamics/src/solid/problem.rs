@@ -1,6 +1,7 @@
 //! Problem definition: grid, media, boundary conditions, sources, initial stress and scheme.
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
+use crate::solid::contact_law::ContactLaw;
 use crate::solid::fluid_network::MAX_FLUID_SUBSTEPS;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
@@ -410,6 +411,21 @@ impl<const D: usize> Problem<D> {
     /// Whether any medium has contacts of particles or of walls of pores.
     pub(crate) fn has_contacts(&self) -> bool {
         self.media.iter().any(|medium| medium.contact.is_some())
+    }
+
+    /// Whether any medium separates at faces.
+    pub(crate) fn separates(&self) -> bool {
+        let separates = |medium: &Medium| match &medium.contact {
+            Some(ContactLaw::Granular { law, .. }) => law.traction_friction().is_some(),
+            _ => false,
+        };
+        self.media.iter().any(separates)
+    }
+
+    /// Returns the reconstruction beside physical boundaries: mirror images if any medium separates at faces. One-sided
+    /// reconstruction would continue the difference across an open face beyond the boundary.
+    pub(crate) fn boundary_slopes(&self) -> Slopes {
+        if self.separates() { Slopes::Godunov } else { self.scheme.slopes }
     }
 
     /// Whether there are saturated interlayers.

@@ -285,11 +285,6 @@ fn check_random_pulses(seeds: std::ops::Range<u64>, steps: usize) {
                     porous_cone(friction, 0.0, None, dimensions),
                 ],
             };
-            // Beside free boundaries see `energy_of_sand_does_not_grow_beside_free_boundaries`.
-            let boundary = match (kind, &boundary) {
-                (3 | 7, Boundary::Free) => Boundary::Fixed,
-                _ => boundary.clone(),
-            };
             let run = (&boundary, seed, steps);
             let plane = run_random_pulses::<2>(media(2), [24, 19], run);
             let space = run_random_pulses::<3>(media(3), [9, 7, 6], run);
@@ -314,7 +309,6 @@ fn energy_never_grows_under_random_pulses() {
 }
 
 #[test]
-#[ignore = "fault: the energy of sand grows by up to 3e-5 of the initial energy in a step beside free boundaries"]
 fn energy_of_sand_does_not_grow_beside_free_boundaries() {
     for yield_stress in [None, Some(YIELD_STRESS)] {
         for seed in 0..12 {
@@ -417,12 +411,32 @@ fn overstress_relaxes_exponentially() {
     assert!((lost - dissipated).abs() < 1e-14 * start && lost > 0.1 * start, "{lost} {dissipated}");
 }
 
+/// Initial state of [`run_turned`].
+#[derive(Clone, Copy)]
+enum Phases {
+    /// Without stress: parts open, others close and yield.
+    Mixed,
+    /// Under a pressure that keeps contacts closed, and without yielding.
+    Closed,
+    /// Open by so much that contacts stay open.
+    Open,
+}
+
 /// Runs a granular medium of `count`² cells on the periodic unit square from smooth velocities, a compression, an
 /// extension and a shear side by side; if `is_turned`, turned by 90°. Returns velocities v₁, v₂ and stress σ₁₁ in the frame
 /// without rotation, and the shares of open and of plastic cells.
-fn run_turned(count: usize, is_turned: bool) -> ([Vec<f64>; 3], [f64; 2]) {
+fn run_turned(phases: Phases, count: usize, is_turned: bool) -> ([Vec<f64>; 3], [f64; 2]) {
     use std::f64::consts::TAU;
-    let medium = granular(0.5, Some(0.05), 2);
+    let create: fn(usize, usize) -> SolidField = match phases {
+        Phases::Open => SolidField::ExcessStress,
+        Phases::Mixed | Phases::Closed => SolidField::Stress,
+    };
+    let (yield_stress, amplitude, initial) = match phases {
+        Phases::Mixed => (Some(0.05), 1.0, 0.0),
+        Phases::Closed => (None, 0.3, -1.0),
+        Phases::Open => (None, 0.3, 1.0),
+    };
+    let medium = granular(0.5, yield_stress, 2);
     let scheme = Scheme {
         splitting: Splitting::TwoCyclic,
         ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping)
@@ -450,8 +464,12 @@ fn run_turned(count: usize, is_turned: bool) -> ([Vec<f64>; 3], [f64; 2]) {
         let [x, y] = [i, j].map(|own| (own as f64 + 0.5) * spacing);
         let first = 0.2 * (TAU * x).sin() * (1.5 + (TAU * y).cos()) / 2.5;
         let second = 0.15 * (TAU * x + 0.7).cos() + 0.05 * (TAU * (x + y)).sin();
+        let [first, second] = [amplitude * first, amplitude * second];
         if is_turned { [-second, first] } else { [first, second] }
     };
+    for axis in 0..3 {
+        domain.set_field(create(axis, axis), &vec![initial; count * count]);
+    }
     for axis in 0..2 {
         let values: Vec<f64> = (0..count * count).map(|cell| velocity(cell)[axis]).collect();
         domain.set_field(SolidField::Velocity(axis), &values);
@@ -488,27 +506,44 @@ fn run_turned(count: usize, is_turned: bool) -> ([Vec<f64>; 3], [f64; 2]) {
     (fields, [largest_open, plastic / (count * count) as f64])
 }
 
-/// The difference by the order of the sweeps vanishes with open and plastic cells beside elastic ones. Projections after
-/// sweeps and the boundaries of open and of plastic regions reduce its order from 2 to 1.4; once compaction shocks have
-/// formed, it is 0.85.
-#[test]
-fn turned_runs_converge_to_each_other() {
+/// Mean differences of velocities and stress between a run and a turned one on four grids, and the orders between the
+/// first and the last grid.
+fn turned_differences(phases: Phases) -> ([[f64; 3]; 4], [f64; 3]) {
     let difference = |count: usize| {
-        let (own, shares) = run_turned(count, false);
-        let (turned, _) = run_turned(count, true);
+        let (own, shares) = run_turned(phases, count, false);
+        let (turned, _) = run_turned(phases, count, true);
         println!("{count}: open, plastic: {shares:?}");
-        assert!(shares.iter().all(|share| (0.1..0.9).contains(share)), "{shares:?}");
+        match phases {
+            Phases::Mixed => assert!(shares.iter().all(|own| (0.1..0.9).contains(own))),
+            Phases::Closed => assert_eq!(shares, [0.0, 0.0]),
+            Phases::Open => assert_eq!(shares, [1.0, 0.0]),
+        }
         let mean = |a: &[f64], b: &[f64]| {
             a.iter().zip(b).map(|(x, y)| (x - y).abs()).sum::<f64>() / (count * count) as f64
         };
         [0, 1, 2].map(|index| mean(&own[index], &turned[index]))
     };
-    let counts = [24, 48, 96, 192];
-    let differences = counts.map(difference);
-    println!("{differences:?}");
-    for quantity in 0..3 {
-        let errors = differences.map(|own| own[quantity]);
-        let order = (errors[0] / errors[3]).log2() / 3.0;
-        assert!(order > 1.25, "{order}: {errors:?}");
-    }
+    let differences = [24, 48, 96, 192].map(difference);
+    let orders = [0, 1, 2].map(|own| (differences[0][own] / differences[3][own]).log2() / 3.0);
+    println!("{differences:?}, orders {orders:?}");
+    (differences, orders)
+}
+
+/// The difference by the order of the sweeps vanishes with open and plastic cells beside elastic ones, at order 1.3 to 1.4.
+/// Order 2 is out of reach: projections after sweeps that have the impedance of closed elastic contacts are of first order
+/// where contacts open or particles yield, and so is the solution on one grid against that on the next finer one. The
+/// greater part of these errors is the same in both runs. Once compaction shocks have formed, the order is 0.85.
+#[test]
+fn turned_runs_converge_to_each_other() {
+    let (differences, orders) = turned_differences(Phases::Mixed);
+    assert!(orders.iter().all(|order| *order > 1.25), "{orders:?}: {differences:?}");
+}
+
+/// Where all contacts stay closed, or all open, the difference is of second order, or rounding.
+#[test]
+fn turned_runs_of_one_phase_differ_at_second_order() {
+    let (differences, orders) = turned_differences(Phases::Closed);
+    assert!(orders.iter().all(|order| *order > 1.8), "{orders:?}: {differences:?}");
+    let (differences, _) = turned_differences(Phases::Open);
+    assert!(differences.as_flattened().iter().all(|own| *own < 1e-15), "{differences:?}");
 }

@@ -131,7 +131,11 @@ fn decompositions_equal_the_whole_domain() {
     for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
             // Row lengths that end before, within and after the last two lanes of a SIMD group.
-            for length in [9, 14, 16, 23] {
+            let lengths = match plastic_step {
+                PlasticStep::ReturnMapping => [9, 16],
+                PlasticStep::MidpointReflection => [14, 23],
+            };
+            for length in lengths {
                 check_decompositions::<f64, 2>(
                     &[pair(&Boundary::Free), pair(&last)],
                     [length, 13],
@@ -160,20 +164,21 @@ fn decompositions_equal_the_whole_domain_in_every_theory() {
 }
 
 /// Verifies decomposition with layers wider than a tile, and with more layers than are processed at once in a
-/// subdomain, over ten steps.
+/// subdomain, over five steps.
 #[test]
 fn decompositions_equal_the_whole_domain_in_wide_layers() {
-    check_wide_layers([4, 6]);
+    check_wide_layers([2, 3], &[Boundary::Periodic]);
 }
 
 #[test]
 #[ignore = "takes a minute"]
 fn decompositions_equal_the_whole_domain_in_wide_layers_over_many_steps() {
-    check_wide_layers([11, 19]);
+    check_wide_layers([11, 19], &[Boundary::Periodic, Boundary::NonReflecting]);
 }
 
-/// Compares decompositions after `steps`, in two calls.
-fn check_wide_layers(steps: [usize; 2]) {
+/// Compares decompositions after `steps`, in two calls; the largest grid with each of `boundaries_of_last_axis` at both
+/// ends of the last axis.
+fn check_wide_layers(steps: [usize; 2], boundaries_of_last_axis: &[Boundary]) {
     fn compare<const D: usize>(
         boundaries: &[[Boundary; 2]; D],
         cells: [usize; D],
@@ -200,8 +205,8 @@ fn check_wide_layers(steps: [usize; 2]) {
     );
     // All layers are processed in tiles of rows; the last tile has fewer rows than the distance by which a sweep trails
     // the previous one.
-    for last in [Boundary::Periodic, Boundary::NonReflecting] {
-        let boundaries = [open.clone(), pair(&Boundary::Free), pair(&last)];
+    for last in boundaries_of_last_axis {
+        let boundaries = [open.clone(), pair(&Boundary::Free), pair(last)];
         compare(&boundaries, [66, 41, 12], PlasticStep::MidpointReflection, steps);
     }
 }
@@ -250,7 +255,7 @@ fn fused_solver_equals_the_reference_around_a_single_cell() {
 fn decompositions_equal_the_whole_domain_in_single_precision() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let boundaries = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
-    for length in [9, 30, 31, 32, 40] {
+    for length in [9, 31, 32] {
         // Small subdomains, and subdomains that make several steps per pass.
         check_decompositions::<f32, 2>(&boundaries, [length, 13], PlasticStep::MidpointReflection);
         check_decompositions::<f32, 2>(&boundaries, [length, 26], PlasticStep::MidpointReflection);
@@ -381,8 +386,8 @@ fn boundary_work_on_single_layers_equals_the_reference() {
 fn small_values_are_flushed_in_all_subdomains() {
     // Thirteen subdomains of 121 layers have nine or ten layers each: for every `flat` some of the small values are in
     // a halo.
-    (0..9).step_by(2).for_each(|flat| check_flush([20, 121], 0, flat, Boundary::Free));
-    check_flush([9, 7, 121], 0, 0, Boundary::Free);
+    (0..9).step_by(4).for_each(|flat| check_flush([20, 121], 0, flat, Boundary::Free));
+    check_flush([9, 3, 121], 0, 0, Boundary::Free);
     // Periodic: small values wrap around where a subdomain is its own neighbour.
     check_flush([20, 146], 73, 0, Boundary::Periodic);
 }
@@ -423,7 +428,11 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
     let expected: Vec<u64> =
         fields.iter().flat_map(|field| to_bits(reference.values(*field))).collect();
     for subdomain_counts in [1, 2, 13] {
-        for instructions in InstructionSet::available_sets() {
+        // Every instruction set in one subdomain, the widest in several.
+        let sets = InstructionSet::available_sets();
+        for instructions in
+            sets.filter(|own| subdomain_counts == 1 || *own == InstructionSet::widest())
+        {
             let mut decomposed: DecomposedDomain<f32, D> =
                 DecomposedDomain::new(&problem, subdomain_counts).expect("sound");
             decomposed.set_instructions(instructions);

@@ -22,9 +22,9 @@ const MAX_GROWTH: f64 = 1e-13;
 /// Admissible growth in single precision: some twenty sweeps and return mappings per step, each rounding to 6e-8.
 const MAX_GROWTH_SINGLE_PRECISION: f64 = 1e-6;
 
-/// Returns the number of runs in each dimension: the value of the environment variable `ROUGH`, else 150.
+/// Returns the number of runs in each dimension: the value of the environment variable `ROUGH`, else 50.
 fn run_count() -> usize {
-    std::env::var("ROUGH").ok().and_then(|count| count.parse().ok()).unwrap_or(150)
+    std::env::var("ROUGH").ok().and_then(|count| count.parse().ok()).unwrap_or(50)
 }
 
 /// Returns a cone on which random states of order one yield.
@@ -287,15 +287,13 @@ fn no_state_next_to_a_boundary_gains_energy() {
         for courant in [0.1, 0.3, 0.5, 0.7, 0.9, 0.97] {
             for kind in &kinds {
                 let mut line = LineDomain::new(cells, courant, [kind.clone(), kind.clone()]);
-                for _ in 0..3 {
-                    let max_growth = maximise_growth(&mut random, 2 * cells, 1500, |state| {
-                        line.energy_growth(state)
-                    });
-                    assert!(
-                        max_growth <= MAX_GROWTH,
-                        "{kind:?}, {cells} cells, Courant {courant}: {max_growth:e}"
-                    );
-                }
+                let max_growth = maximise_growth(&mut random, 2 * cells, 1500, |state| {
+                    line.energy_growth(state)
+                });
+                assert!(
+                    max_growth <= MAX_GROWTH,
+                    "{kind:?}, {cells} cells, Courant {courant}: {max_growth:e}"
+                );
             }
         }
     }

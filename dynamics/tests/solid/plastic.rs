@@ -101,7 +101,7 @@ fn check_ledger_and_yield<const D: usize>(
     let volume = h.powi(D as i32);
     let start = total_energy(&domain, &solid, volume);
     let mut last = start;
-    for _ in 0..200 {
+    for _ in 0..if D == 2 { 200 } else { 60 } {
         domain.advance(1);
         let now = total_energy(&domain, &solid, volume);
         assert!(now <= last * (1.0 + 1e-13), "{theory:?} {plastic_step:?}: {now} after {last}");
@@ -212,9 +212,10 @@ fn mean_grid_difference(coarse: &[Vec<f64>], fine: &[Vec<f64>]) -> f64 {
     sum
 }
 
-fn convergence_orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
+/// Computes the orders of convergence between grids of these numbers of cells.
+fn convergence_orders(plastic_step: PlasticStep, strength: f64, counts: &[usize]) -> Vec<f64> {
     let grids: Vec<Vec<Vec<f64>>> =
-        [64, 128, 256, 512, 1024].map(|n| run_slip_wave(n, plastic_step, strength)).to_vec();
+        counts.iter().map(|n| run_slip_wave(*n, plastic_step, strength)).collect();
     let changes: Vec<f64> = grids.windows(2).map(|g| mean_grid_difference(&g[0], &g[1])).collect();
     let orders = changes.windows(2).map(|c| (c[0] / c[1]).log2()).collect();
     println!("{plastic_step:?}, strength {strength}: changes {changes:?}, orders {orders:.3?}");
@@ -225,13 +226,14 @@ fn convergence_orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
 /// all layers slip at all times (high strength), and at least 0.8 for both where slip starts and stops (low strength).
 #[test]
 fn plastic_steps_converge_at_their_orders() {
-    let steady = [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]
-        .map(|p| convergence_orders(p, 10.0));
-    assert!((0.9..1.2).contains(&steady[0][2]), "{steady:?}");
-    assert!((1.9..2.3).contains(&steady[1][2]), "{steady:?}");
+    let counts = [128, 256, 512];
+    let steady = convergence_orders(PlasticStep::ReturnMapping, 10.0, &counts);
+    assert!((0.9..1.2).contains(&steady[0]), "{steady:?}");
+    let steady = convergence_orders(PlasticStep::MidpointReflection, 10.0, &[256, 512, 1024]);
+    assert!((1.9..2.3).contains(&steady[0]), "{steady:?}");
     for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
-        let switching = convergence_orders(plastic_step, 0.1);
-        assert!(switching[2] > 0.8, "{switching:?}");
+        let switching = convergence_orders(plastic_step, 0.1, &counts);
+        assert!(switching[0] > 0.8, "{switching:?}");
     }
 }
 

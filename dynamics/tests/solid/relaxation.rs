@@ -227,8 +227,8 @@ impl<const D: usize> DampedPlaneWave<D> {
 
 #[test]
 fn plane_waves_are_second_order() {
-    for is_longitudinal in [true, false] {
-        for wave in [[1, 0], [0, 1], [1, 1], [2, 1]] {
+    for (is_longitudinal, waves) in [(true, [[0, 1], [2, 1]]), (false, [[1, 0], [1, 1]])] {
+        for wave in waves {
             DampedPlaneWave::new(wave, is_longitudinal, Theory::Classical)
                 .check_second_order([96, 192], 1e-4);
         }
@@ -343,7 +343,7 @@ fn energy_never_grows() {
                 fill_with_noise(&mut domain, 1.0);
                 let mut last = domain.energy().total();
                 let start = last;
-                for index in 0..4000 {
+                for index in 0..1000 {
                     domain.advance(1).expect("threads");
                     let now = domain.energy().total();
                     assert!(now <= last * (1.0 + 1e-13), "{index}: {now} after {last}");
@@ -389,7 +389,7 @@ fn ledger_closes() {
             }
             let start = domain.energy().total();
             let (mut error, mut scale) = (0.0f64, start);
-            for index in 0..3000 {
+            for index in 0..1000 {
                 domain.advance(1);
                 if index % 10 == 0 {
                     let energy = domain.energy().total();
@@ -457,7 +457,10 @@ fn compare_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory
                 std::array::from_fn(|own| if own == axis { count } else { 1 })
             };
             for parts in [cut(D - 1, 1), cut(D - 1, 2), cut(D - 1, 3), cut(0, 2)] {
-                for instructions in InstructionSet::available_sets() {
+                // Every instruction set in one subdomain, the widest in several.
+                for instructions in InstructionSet::available_sets()
+                    .filter(|own| parts == [1; D] || *own == InstructionSet::widest())
+                {
                     let create_domain = || -> DecomposedDomain<T, D> {
                         let mut domain =
                             DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");

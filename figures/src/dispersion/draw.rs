@@ -5,17 +5,17 @@ use super::figure::{DispersionBranch, DispersionFigure};
 use super::plot::{DispersionPanel, level_labels_width};
 use super::styles::{CUTOFF_DASHES, SPEED_LIMIT_DASHES};
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::page::{self, Legend, MARGIN};
 use crate::picture::{Picture, Point, Rectangle};
 
 impl DispersionFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     pub(super) fn to_picture(&self) -> Picture {

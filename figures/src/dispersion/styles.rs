@@ -2,18 +2,18 @@
 
 use plotters::style::RGBColor;
 
+use crate::colour::CURVE_COLOURS;
 use crate::growth::LINE_WIDTH;
 use crate::picture::Colour;
 
-/// Colours after Okabe and Ito (2008), darkened for lines. In greyscale the numbers on the lines distinguish the
-/// branches.
+/// Colours of the branches; the numbers on the lines distinguish them too.
 pub(super) const BRANCH_COLOURS: [Colour; 6] = [
-    RGBColor(0, 0, 0),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 114, 178),
-    RGBColor(0, 138, 100),
-    RGBColor(176, 80, 140),
-    RGBColor(150, 110, 0),
+    CURVE_COLOURS[0],
+    CURVE_COLOURS[1],
+    CURVE_COLOURS[2],
+    CURVE_COLOURS[3],
+    CURVE_COLOURS[4],
+    CURVE_COLOURS[5],
 ];
 
 pub(super) const BAND_COLOUR: Colour = RGBColor(228, 224, 214);

@@ -9,7 +9,7 @@ use super::layout::FieldLayout;
 use super::lines::LineWidths;
 use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::{FigureFormat, FigureOutput};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
 use crate::picture::{Colour, INK, Picture, Point, Rectangle, WHITE};
 
@@ -30,13 +30,14 @@ pub(super) struct Overlay {
 }
 
 impl FieldFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// An axis has no cells or no finite, positive length, a list does not have one value per cell, a limit of the
     /// colour scale is not positive and finite, or rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture(format)?.render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        let output = output.into();
+        self.to_picture(output.format)?.render(output)
     }
 
     /// Determines layout, legend, contours and borders. The legend depends on the drawn elements, whose positions
@@ -161,7 +162,9 @@ impl FieldFigure {
         let pixels = [layout.frame.width() as usize, layout.frame.height() as usize];
         let max_cells = match format {
             FigureFormat::Png => pixels,
-            FigureFormat::Svg => pixels.map(|pixels| pixels.min(MAX_COARSE_CELLS)),
+            FigureFormat::Svg | FigureFormat::Pdf => {
+                pixels.map(|pixels| pixels.min(MAX_COARSE_CELLS))
+            }
         };
         FieldRaster::new(self, layout.frame, max_cells)
     }

@@ -3,7 +3,7 @@
 use super::colour_map::ColourScale;
 use super::figure::FieldFigure;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::{FigureFormat, FigureOutput};
 use crate::picture::Picture;
 use crate::scale::FINITE_LIMIT;
 
@@ -18,12 +18,13 @@ pub struct FieldPairFigure {
 }
 
 impl FieldPairFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// A field is refused by [`FieldFigure::draw`], or rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture(format)?.render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        let output = output.into();
+        self.to_picture(output.format)?.render(output)
     }
 
     fn to_picture(&self, format: FigureFormat) -> Result<Picture, FigureError> {

@@ -5,7 +5,9 @@
 mod backend;
 mod fonts;
 mod geometry;
+mod pdf;
 mod render;
+mod scaling;
 mod shapes;
 #[cfg(test)]
 mod tests;

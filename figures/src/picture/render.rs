@@ -1,4 +1,4 @@
-//! Rendering of pictures to PNG and SVG.
+//! Rendering of pictures to PNG and SVG; `pdf` renders to PDF.
 //!
 //! Pictures are supersampled by [`SUPERSAMPLING`]: the drawing library rounds coordinates to whole pixels and does not
 //! antialias thick lines; averaging the fine pixels does both.
@@ -15,31 +15,68 @@ use super::geometry::Rectangle;
 use super::shapes::{Picture, PictureShape};
 use super::text::WHITE;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::{FigureFormat, FigureOptions, FigureOutput, FigureSize, MILLIMETRES_PER_INCH};
+
+/// Largest number of pixels that are rendered at a time; a picture of the natural size is rendered at once.
+const MAX_BAND_PIXELS: u32 = 6_000_000;
 
 impl Picture {
-    /// Renders the picture in a file format and returns the bytes of the file.
-    pub fn render(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+    /// Renders the picture and returns the bytes of the file.
+    pub fn render(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
         register_fonts();
-        let (width, height) = (self.width * SUPERSAMPLING, self.height * SUPERSAMPLING);
-        match format {
-            FigureFormat::Svg => {
-                let mut text = String::new();
-                self.draw_shapes(
-                    SVGBackend::with_string(&mut text, (width, height)),
-                    &SVG_CONVENTIONS,
-                )?;
-                let fine = format!("width=\"{width}\" height=\"{height}\"");
-                let nominal = format!("width=\"{}\" height=\"{}\"", self.width, self.height);
-                Ok(self.replace_patch_placeholders(&text.replacen(&fine, &nominal, 1)).into_bytes())
-            }
-            FigureFormat::Png => self.encode_png(&self.render_pixels()?),
+        let FigureOutput { format, options } = output.into();
+        if !options.has_heading && !self.headings.is_empty() {
+            let options = FigureOptions { has_heading: true, ..options };
+            return self.without_headings().render(FigureOutput { format, options });
         }
+        match format {
+            FigureFormat::Svg => self.render_svg(&options),
+            FigureFormat::Png if options == FigureOptions::default() => {
+                self.encode_png(&self.render_pixels()?, None)
+            }
+            FigureFormat::Png => {
+                let scaled = self.scaled_to_pixels(&options)?;
+                scaled.encode_png(&scaled.render_pixels()?, Some(options.resolution()))
+            }
+            FigureFormat::Pdf => self.render_pdf(&options),
+        }
+    }
+
+    fn render_svg(&self, options: &FigureOptions) -> Result<Vec<u8>, FigureError> {
+        let (width, height) = (self.width * SUPERSAMPLING, self.height * SUPERSAMPLING);
+        let mut text = String::new();
+        self.draw_shapes(SVGBackend::with_string(&mut text, (width, height)), &SVG_CONVENTIONS)?;
+        let fine = format!("width=\"{width}\" height=\"{height}\"");
+        let [width, height] = match options.size {
+            None => [self.width, self.height].map(|length| length.to_string()),
+            Some(FigureSize::Pixels(size)) => size.map(|length| length.to_string()),
+            Some(FigureSize::Millimetres(size)) => size.map(|length| format!("{length}mm")),
+        };
+        // A viewer fits the view box in this size and centres it.
+        let nominal = format!("width=\"{width}\" height=\"{height}\"");
+        Ok(self.replace_patch_placeholders(&text.replacen(&fine, &nominal, 1)).into_bytes())
     }
 
     /// Renders the pixels of the picture row by row, three bytes each.
     pub fn render_pixels(&self) -> Result<Vec<u8>, FigureError> {
+        self.render_bands((MAX_BAND_PIXELS / self.width.max(1)).max(1))
+    }
+
+    /// Renders the pixels in bands of at most `band_height` rows, so that the fine pixels of one band are in memory.
+    pub(super) fn render_bands(&self, band_height: u32) -> Result<Vec<u8>, FigureError> {
         register_fonts();
+        let mut pixels = Vec::with_capacity(3 * self.width as usize * self.height as usize);
+        let mut top = 0;
+        while top < self.height {
+            let mut band = Self::new(self.width, band_height.min(self.height - top));
+            band.shapes = self.shapes.iter().map(|own| own.shift_down(-f64::from(top))).collect();
+            top += band.height;
+            pixels.extend(band.render_band()?);
+        }
+        Ok(pixels)
+    }
+
+    fn render_band(&self) -> Result<Vec<u8>, FigureError> {
         let (width, height) = (self.width * SUPERSAMPLING, self.height * SUPERSAMPLING);
         let mut fine = vec![255; 3 * width as usize * height as usize];
         self.draw_shapes(
@@ -96,11 +133,18 @@ impl Picture {
         pixels
     }
 
-    fn encode_png(&self, pixels: &[u8]) -> Result<Vec<u8>, FigureError> {
+    /// Encodes pixels as PNG, which states a resolution, dots per inch, if one is given.
+    fn encode_png(&self, pixels: &[u8], dpi: Option<f64>) -> Result<Vec<u8>, FigureError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
+        let per_metre = dpi.map(|dpi| (1000.0 * dpi / MILLIMETRES_PER_INCH).round() as u32);
+        encoder.set_pixel_dims(per_metre.map(|count| png::PixelDimensions {
+            xppu: count,
+            yppu: count,
+            unit: png::Unit::Meter,
+        }));
         let mut writer = encoder.write_header()?;
         writer.write_image_data(pixels)?;
         writer.finish()?;

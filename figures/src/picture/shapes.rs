@@ -3,7 +3,9 @@
 #[cfg(test)]
 use super::geometry::clip_polyline;
 use super::geometry::{Point, Rectangle, circle_points, split_into_dashes};
+use super::scaling::Heading;
 use super::text::{Colour, Text};
+use std::ops::Range;
 
 pub(super) enum PictureShape {
     Rectangle(Rectangle, Colour),
@@ -13,44 +15,17 @@ pub(super) enum PictureShape {
     Text(Text),
 }
 
-impl PictureShape {
-    /// Moves the shape downwards by a distance in pixels.
-    fn shift_down(self, offset: f64) -> Self {
-        let shift_area = |area: Rectangle| Rectangle {
-            top: area.top + offset,
-            bottom: area.bottom + offset,
-            ..area
-        };
-        let shift_points = |points: Vec<Point>| -> Vec<Point> {
-            points.into_iter().map(|[x, y]| [x, y + offset]).collect()
-        };
-        match self {
-            Self::Rectangle(area, colour) => Self::Rectangle(shift_area(area), colour),
-            Self::Patches(areas, colour) => {
-                Self::Patches(areas.into_iter().map(shift_area).collect(), colour)
-            }
-            Self::Polygon(points, colour) => Self::Polygon(shift_points(points), colour),
-            Self::Line { points, width, colour, is_curve } => {
-                Self::Line { points: shift_points(points), width, colour, is_curve }
-            }
-            Self::Text(text) => {
-                let [x, y] = text.anchor_point;
-                Self::Text(Text { anchor_point: [x, y + offset], ..text })
-            }
-        }
-    }
-}
-
 /// Picture: a white sheet with shapes; later shapes cover earlier shapes.
 pub(crate) struct Picture {
     pub width: u32,
     pub height: u32,
     pub(super) shapes: Vec<PictureShape>,
+    pub(super) headings: Vec<Heading>,
 }
 
 impl Picture {
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, shapes: Vec::new() }
+        Self { width, height, shapes: Vec::new(), headings: Vec::new() }
     }
 
     pub fn fill_rectangle(&mut self, area: Rectangle, colour: Colour) {
@@ -118,12 +93,23 @@ impl Picture {
         self.shapes.push(PictureShape::Text(text));
     }
 
+    /// Marks the shapes so far as the heading, whose removal makes the picture lower by `height` pixels.
+    pub fn end_heading(&mut self, height: f64) {
+        self.headings.push(Heading { shapes: 0..self.shapes.len(), height });
+    }
+
     /// Enlarges the picture by another one below it.
     pub fn append_below(&mut self, other: Self) {
         let offset = f64::from(self.height);
+        let count = self.shapes.len();
+        let shift = |heading: Heading| {
+            let Range { start, end } = heading.shapes;
+            Heading { shapes: start + count..end + count, ..heading }
+        };
+        self.headings.extend(other.headings.into_iter().map(shift));
         self.width = self.width.max(other.width);
         self.height += other.height;
-        self.shapes.extend(other.shapes.into_iter().map(|shape| shape.shift_down(offset)));
+        self.shapes.extend(other.shapes.iter().map(|shape| shape.shift_down(offset)));
     }
 
     /// Returns the texts of the picture.

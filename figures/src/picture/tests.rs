@@ -6,6 +6,8 @@ use super::shapes::Picture;
 use super::text::{Anchor, INK, Text, WHITE};
 use crate::format::FigureFormat;
 
+mod output;
+
 const CLIP_AREA: Rectangle = Rectangle { left: 0.0, top: 0.0, right: 10.0, bottom: 10.0 };
 
 #[test]

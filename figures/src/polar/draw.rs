@@ -8,18 +8,18 @@ use super::labels::build_labels;
 use super::radial_scale::{HOLE_FRACTION, RadialScale};
 use super::radius_axis::max_ring_numbers;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::growth::LINEAR_RANGE_COLOUR;
 use crate::picture::{Picture, Point, WHITE, circle_points};
 use crate::scale::Tick;
 
 impl PolarFigure {
-    /// Renders the figure in a file format and returns the bytes of the file.
+    /// Renders the figure and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(output)
     }
 
     pub(super) fn finite_spokes(&self) -> impl Iterator<Item = &Spoke> {

@@ -8,7 +8,7 @@ use super::figure::VerdictMap;
 use super::hatching::category_fill;
 use super::levels::LevelRange;
 use crate::error::FigureError;
-use crate::format::FigureFormat;
+use crate::format::FigureOutput;
 use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, Legend, MARGIN, TICK_LABEL_SIZE};
 use crate::picture::{INK, Picture, Point, Rectangle, clip_polyline};
 use crate::scale::{self, Tick};
@@ -19,8 +19,8 @@ impl VerdictMap {
     /// # Errors
     /// An axis is not a uniform grid, a list does not have one value per cell, a cell has an undefined category, or
     /// rendering or encoding fails.
-    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
-        self.to_picture()?.render(format)
+    pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
+        self.to_picture()?.render(output)
     }
 
     pub(super) fn to_picture(&self) -> Result<Picture, FigureError> {

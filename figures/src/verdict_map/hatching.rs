@@ -9,9 +9,9 @@ use crate::picture::{Colour, Picture, Point, Rectangle, clip_polyline};
 
 /// A set of parallel lines over the cells of a category.
 #[derive(Clone, Copy)]
-pub(super) struct HatchLines {
+pub(crate) struct HatchLines {
     /// Direction of the lines; y increases downwards.
-    pub(super) direction: [f64; 2],
+    pub(crate) direction: [f64; 2],
     /// Distance between the lines, pixels.
     spacing: f64,
     pub(super) line_width: f64,
@@ -24,7 +24,7 @@ const HORIZONTAL_DIRECTION: [f64; 2] = [1.0, 0.0];
 const VERTICAL_DIRECTION: [f64; 2] = [0.0, 1.0];
 
 /// Returns the fill of a category without levels: background colour and hatching.
-pub(super) fn category_fill(style: FillStyle) -> (Colour, Vec<HatchLines>) {
+pub(crate) fn category_fill(style: FillStyle) -> (Colour, Vec<HatchLines>) {
     let hatch = |direction, spacing, line_width, grey| HatchLines {
         direction,
         spacing,

@@ -21,5 +21,7 @@ pub(crate) use colour_map::{
     shade_colour,
 };
 pub use figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+#[cfg(test)]
+pub(crate) use hatching::{HatchLines, category_fill};
 pub(crate) use raster::find_runs;
 pub(crate) use shares::format_percent;

@@ -126,6 +126,8 @@ fn any_level_is_drawn() {
         let mut equal = sample_map(8, 5);
         equal.growth_levels.fill(level);
         check_map(&equal);
+    }
+    for level in [f64::NAN, f64::INFINITY, -1.0, f64::MAX] {
         let mut mixed = sample_map(8, 5);
         mixed.growth_levels[6] = level;
         check_map(&mixed);

@@ -16,6 +16,32 @@ pub fn format_rounded(x: f64) -> String {
     format_with_digits(x, SIGNIFICANT_DIGITS)
 }
 
+/// Numbers of a case, or computed from them, in messages.
+pub trait ToPlainText {
+    /// Formats a number like [`format_exact`] up to nine digits, which given numbers rarely exceed, otherwise like
+    /// [`format_rounded`]; lists in brackets.
+    fn to_plain_text(&self) -> String;
+}
+
+impl ToPlainText for f64 {
+    fn to_plain_text(&self) -> String {
+        const MAX_DIGITS: usize = 9;
+        let exact = format_exact(*self);
+        let mantissa = exact.split('e').next().unwrap_or_default();
+        match mantissa.bytes().filter(u8::is_ascii_digit).count() <= MAX_DIGITS {
+            true => exact,
+            false => format_rounded(*self),
+        }
+    }
+}
+
+impl ToPlainText for [f64] {
+    fn to_plain_text(&self) -> String {
+        let items: Vec<String> = self.iter().map(f64::to_plain_text).collect();
+        format!("[{}]", items.join(", "))
+    }
+}
+
 /// A computed number, displayed like [`format_rounded`].
 #[derive(Clone, Copy, Debug)]
 pub struct ShortNumber(pub f64);
@@ -97,6 +123,8 @@ mod tests {
         assert_eq!(format_distinct([1.000_000_01, 1.000_000_02]), ["1.00000001", "1.00000002"]);
         let next = f64::from_bits(1.0_f64.to_bits() + 1);
         assert_eq!(format_distinct([1.0, next]), ["1", "1.0000000000000002"]);
+        let lengths = [0.1 + 0.2, 1_234_567.5, 1e-200, 40.0];
+        assert_eq!(lengths.to_plain_text(), "[0.3, 1.2345675e6, 1e-200, 40]");
         assert_eq!(format_rounded_list(&[10.05, 1.0 / 3.0]), "[10.05, 0.333333]");
     }
 }

@@ -48,7 +48,7 @@ impl Names {
                 let remedy = "a name is a letter, then letters, digits and underscores";
                 return Err(TextError::new(
                     place,
-                    format!("the name '{}'", name.escape_default()),
+                    format!("the name '{}'", name.escape_debug()),
                     remedy,
                 ));
             }
@@ -87,7 +87,8 @@ impl Names {
         if text.equations.len() > text.unknowns.len() {
             let (equations, unknowns) = (text.equations.len(), text.unknowns.len());
             let place = TextPlace::Equation(text.equations[unknowns].name.clone());
-            let found = format!("{equations} equations for {unknowns} unknowns");
+            let s = if unknowns == 1 { "" } else { "s" };
+            let found = format!("{equations} equations for {unknowns} unknown{s}");
             let remedy = "leave out an equation that follows from the others, or add its unknown";
             return Err(TextError::new(place, found, remedy));
         }
@@ -285,7 +286,7 @@ pub(super) fn check_units(
     for (quantity, place) in unknowns.chain(parameters) {
         let parsed = quantity.unit.as_deref().map_or(Ok(Dimension::NONE), Dimension::parse);
         let dimension = parsed.map_err(|part| {
-            let found = format!("the unit '{}'", part.escape_default());
+            let found = format!("the unit '{}'", part.escape_debug());
             let remedy = format!("write SI units without prefixes, e.g. kg/m^3: {}", unit_names());
             TextError::new(place, found, remedy)
         })?;

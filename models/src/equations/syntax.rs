@@ -279,7 +279,7 @@ impl<'a> Parser<'a> {
     fn unexpected(&self, expected: &str) -> TextError {
         let found = match self.peek() {
             None => "the end".to_owned(),
-            Some(c) => format!("'{}'", c.escape_default()),
+            Some(c) => format!("'{}'", c.escape_debug()),
         };
         self.error(found, &format!("expected {expected}"))
     }

@@ -173,7 +173,11 @@ fn check_ranges(
     ensure(
         rule.is_dilatant || state.density_gradient == [0.0; 2],
         "density_gradient",
-        format_args!("{:?}", state.density_gradient),
+        format_args!(
+            "[{}, {}]",
+            ShortNumber(state.density_gradient[0]),
+            ShortNumber(state.density_gradient[1])
+        ),
         "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
     )?;
     ensure(

@@ -97,6 +97,15 @@ impl GranularContact<f64> {
     pub fn transmits_tension(&self) -> bool {
         self.friction > self.intensity_factor * 1.5f64.sqrt()
     }
+
+    /// Returns the greatest ratio f of the tangential to the normal traction on a plane; `None` if the cone admits any
+    /// traction. With normal stresses −P on the plane and −Q along it, and the shear stress T, the cone
+    /// c²(⅔(P − Q)² + 2T²) ≤ æ²(P + 2Q)²/9 allows most for Q = P(3c² + æ²)/(3c² − 2æ²): f = æ/√(2c² − 4æ²/3).
+    pub fn traction_friction(&self) -> Option<f64> {
+        let (c, friction) = (self.intensity_factor, self.friction);
+        let square = 2.0 * c * c - 4.0 / 3.0 * friction * friction;
+        (square > 0.0).then(|| friction / square.sqrt()).filter(|own| *own < NO_LIMIT)
+    }
 }
 
 impl<N: Number> GranularContact<N> {

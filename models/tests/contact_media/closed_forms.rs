@@ -1,6 +1,6 @@
 //! Closed forms of moduli and corners.
 
-use wellposed_models::granular_medium::{GranularMedium, GranularParameters};
+use wellposed_models::granular_medium::{GranularContact, GranularMedium, GranularParameters};
 use wellposed_models::porous::{PoreContact, PorousMedium, PorousParameters};
 
 fn assert_close(found: f64, expected: f64) {
@@ -114,4 +114,34 @@ fn foam_yields_in_reverse_after_twice_the_yield_strain() {
     assert_close(diagram.pressure(0.02), medium.loading_diagram().pressure(0.02));
     let names: Vec<&str> = diagram.segments().iter().map(|own| own.state.name()).collect();
     assert_eq!(names, ["plastic, open", "plastic, closed", "elastic, closed", "plastic, closed"]);
+}
+
+/// The greatest shear stress on a plane under the pressure 1, from the cone by a search over the normal stresses along the
+/// plane; a cone that transmits tension has no limit.
+#[test]
+fn tractions_are_limited_by_the_cone() {
+    for (friction, intensity_coefficient) in
+        [(0.0, 0.375), (0.3, 0.375), (0.5, 0.375), (0.7, 0.375), (0.5, 0.5), (0.86, 0.5)]
+    {
+        let parameters = GranularParameters { friction, intensity_coefficient, ..SAND };
+        let law = GranularContact::new(&GranularMedium::new(parameters).unwrap());
+        let mut greatest = 0.0f64;
+        // Pressures Q₂, Q₃ along the plane, and what the cone leaves for the shear stress.
+        for [i, j] in (0..600).flat_map(|i| (0..600).map(move |j| [i, j])) {
+            let [second, third] = [i, j].map(|own| (0.012 * f64::from(own)).exp() - 1.0);
+            let pressure = (1.0 + second + third) / 3.0;
+            let deviator = [1.0, second, third].map(|own| (own - pressure).powi(2));
+            let squares = (friction * pressure).powi(2) / intensity_coefficient;
+            let shear = 0.5 * (squares - deviator.iter().sum::<f64>());
+            greatest = greatest.max(shear.max(0.0).sqrt());
+        }
+        let found = law.traction_friction().unwrap();
+        assert!(
+            greatest <= found * (1.0 + 1e-12) && greatest >= 0.999 * found,
+            "{greatest} {found}"
+        );
+    }
+    let parameters = GranularParameters { friction: 0.76, ..SAND };
+    let law = GranularContact::new(&GranularMedium::new(parameters).unwrap());
+    assert_eq!(law.traction_friction(), None);
 }

@@ -57,16 +57,12 @@ pub struct ResultFolder {
 
 impl ResultFolder {
     /// Selects the results folder `out`, by default `out/<case name>`, and checks by a test write that it can be
-    /// written to; no file is left in it, and the folder is not created.
-    ///
-    /// The folder may be absent, empty, or hold results of the same case by the same program version, which are
-    /// bit-identical. Any other folder requires `force` and no run in progress. If the source file of the case is in
-    /// the folder, it is overwritten only by identical content; input files of the case are never overwritten.
+    /// written to; no file is left in it, and the folder is not created. If the source file of the case is in the
+    /// folder, it is overwritten only by identical content; input files of the case are never overwritten.
     ///
     /// # Errors
-    /// The folder cannot be written or contains other files, a run in it is in progress, the source file or an input
-    /// file of the case would be overwritten, or the resolved case is larger than a case file may be; the error states
-    /// the remedy.
+    /// The folder cannot be written, the source file or an input file of the case would be overwritten, or the resolved
+    /// case is larger than a case file may be; the error states the remedy.
     pub fn from_case(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
         let (text, case_without_plot_options) =
@@ -101,12 +97,21 @@ impl ResultFolder {
                 "the case begins with this file, which would be overwritten",
             ));
         }
-        let is_foreign = own.has_foreign_results()?;
-        if is_foreign && own.has_active_run()? {
-            return Err(own.create_active_run_error());
-        }
         check_writable(&own.path)?;
         Ok(own)
+    }
+
+    /// Checks that results may be put into the folder: it may be absent, empty, or hold results of the same case by the
+    /// same program version, which are bit-identical. Any other folder requires `force` and no run in progress.
+    ///
+    /// # Errors
+    /// The folder contains other files, or a run in it is in progress; the error states the remedy.
+    pub fn check_other_results(&self) -> Result<(), OutputError> {
+        let is_foreign = self.has_foreign_results()?;
+        if is_foreign && self.has_active_run()? {
+            return Err(self.create_active_run_error());
+        }
+        Ok(())
     }
 
     /// Returns whether the folder contains results of another case, which may be removed because of `--force`.
@@ -168,7 +173,7 @@ impl ResultFolder {
 
     /// Acquires the publication lock for publishing and removing files.
     fn acquire_publication_lock(&self) -> Result<Lock, OutputError> {
-        fs::create_dir_all(&self.path).map_err(|error| OutputError::new(&self.path, error))?;
+        create_folder(&self.path)?;
         let path = self.path.join(PUBLICATION_LOCK_FILE);
         match Lock::acquire(&path, PUBLICATION_LOCK_TIMEOUT) {
             Ok(lock) => Ok(lock.with_removal_on_drop()),
@@ -269,6 +274,29 @@ fn create_removal_error(path: &Path, error: &std::io::Error) -> OutputError {
         path: path.to_owned(),
         cause: error.to_string(),
         remedy: "let it be removed, or name another folder with --out",
+    }
+}
+
+/// Creates a folder and its parents where they do not exist.
+///
+/// # Errors
+/// The folder cannot be created.
+pub(in crate::cli) fn create_folder(path: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(path).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            OutputError::new(path, "a file is in the place of a folder")
+        }
+        _ => OutputError::new(path, error),
+    })
+}
+
+/// Returns the message that a path is not that of a folder; `None` if it is.
+fn describe_missing_folder(path: &Path) -> Option<&'static str> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => None,
+        Ok(_) => Some("a file, not a folder"),
+        Err(error) if error.kind() == ErrorKind::NotFound => Some("no such folder"),
+        Err(_) => None,
     }
 }
 

@@ -12,6 +12,8 @@ pub(super) const PROGRAM_FILE: &str = "program.json";
 /// Stem of the name of the temporary file that tests whether a folder is writable.
 pub(super) const PROBE_FILE_STEM: &str = "probe";
 
+// Of the pictures, the lists have the default formats; each may also be a PDF.
+
 /// Names of the files of `map`, in addition to
 /// [`ResultFolder::COMMON_FILE_NAMES`](super::ResultFolder::COMMON_FILE_NAMES).
 pub const MAP_FILES: [&str; 6] =
@@ -215,7 +217,7 @@ pub fn is_snapshot_name(name: &str) -> bool {
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Iterates over the names of all files that a verb may write, except snapshots, the log, the resolved case and the
+/// Iterates over the names of all files that a verb may write, except snapshots, PDF pictures, the log, the resolved case and the
 /// program version. `--force` removes files of these names that belong to another case, so that a folder contains
 /// results of one case only.
 pub fn result_file_names() -> impl Iterator<Item = &'static str> {
@@ -235,7 +237,8 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
 
 /// Returns whether the name is that of a file of a simulation, except for log and lock.
 pub(super) fn is_run_file_name(name: &str) -> bool {
-    is_snapshot_name(name) || (RUN_FILES.contains(&name) && name != AppendedFile::Lock.name())
+    is_snapshot_name(name)
+        || (is_listed(name, RUN_FILES.into_iter()) && name != AppendedFile::Lock.name())
 }
 
 /// Returns whether a file of that name has an entry in the checksum list.
@@ -254,7 +257,15 @@ pub(super) fn is_transient_name(name: &str) -> bool {
 
 /// Returns whether the name is that of a snapshot or one of the [`result_file_names`].
 pub(super) fn is_result_file_name(name: &str) -> bool {
-    is_snapshot_name(name) || result_file_names().any(|known| known == name)
+    is_snapshot_name(name) || is_listed(name, result_file_names())
+}
+
+/// Returns whether a name is in a list, or that of the PDF of a picture of which the list has the SVG.
+fn is_listed(name: &str, mut list: impl Iterator<Item = &'static str>) -> bool {
+    let stem = name.strip_suffix(".pdf");
+    list.any(|known| {
+        known == name || stem.is_some_and(|stem| known.strip_suffix(".svg") == Some(stem))
+    })
 }
 
 /// Returns whether the name is that of a temporary file of this program: `.<name>.<process id>-<count>.partial`, where

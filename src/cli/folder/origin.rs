@@ -66,7 +66,9 @@ pub(super) fn overwrite_refusal_reason(
         return Ok(None);
     }
     if !has_equal_content(&folder.join(CASE_FILE), case) {
-        return Ok(Some("the folder holds something other than results of this case"));
+        return Ok(Some(
+            "the folder holds other files, or results of another case or of other settings",
+        ));
     }
     // A run that was killed early may have written only the case file, without results.
     let has_origin = names.iter().any(|name| name == PROGRAM_FILE || is_result_file_name(name));

@@ -10,8 +10,8 @@ use std::io::Write as _;
 enum PublicationKind {
     /// Results of a case, from a verb that computes them.
     CaseResults,
-    /// Pictures of a finished run, from the verb `plot`.
-    RedrawnPictures,
+    /// Pictures of the results of a verb, from the verb `plot`.
+    RedrawnPictures { verb: &'static str },
 }
 
 /// Files of a verb that have been written under temporary names; files that have not been published are removed on
@@ -35,11 +35,11 @@ impl ResultFolder {
         }
     }
 
-    /// Starts a publication of redrawn pictures of the finished run in this folder.
-    pub fn start_redrawing(&self) -> Publication<'_> {
+    /// Starts a publication of redrawn pictures of the results of a verb in this folder.
+    pub fn start_redrawing(&self, verb: &'static str) -> Publication<'_> {
         Publication {
             folder: self,
-            kind: PublicationKind::RedrawnPictures,
+            kind: PublicationKind::RedrawnPictures { verb },
             staged_files: Vec::new(),
             names_to_remove: Vec::new(),
         }
@@ -84,12 +84,12 @@ impl Publication<'_> {
                     folder.remove_results()?;
                 }
             }
-            PublicationKind::RedrawnPictures
-                if lives || !folder.path.join(FINISHED_RUN_FILE).exists() =>
+            PublicationKind::RedrawnPictures { verb }
+                if lives || !folder.path.join(format!("{verb}.json")).exists() =>
             {
                 return Err(folder.create_active_run_error());
             }
-            PublicationKind::RedrawnPictures => {}
+            PublicationKind::RedrawnPictures { .. } => {}
         }
         folder.remove_abandoned_files()?;
         if !lives && folder.path.join(FINISHED_RUN_FILE).exists() {
@@ -123,7 +123,7 @@ impl Publication<'_> {
                 }
             }
             // The user may have edited the plot options in the case file, hence its present checksum is recorded.
-            PublicationKind::RedrawnPictures => {
+            PublicationKind::RedrawnPictures { .. } => {
                 folder.add_current_checksums(&mut list, &[CASE_FILE, PROGRAM_FILE])?
             }
         }

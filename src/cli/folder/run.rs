@@ -4,7 +4,7 @@ use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_run_file_name}
 use super::origin::ResultOrigin;
 use super::{
     AppendedFile, OutputError, ResultFolder, create_lock_error, create_write_error,
-    list_file_names, remove_file_if_exists, write_file,
+    describe_missing_folder, list_file_names, remove_file_if_exists, write_file,
 };
 use crate::case::Case;
 use crate::cli::CommandError;
@@ -79,20 +79,33 @@ impl ResultFolder {
         Ok((folder, case))
     }
 
-    /// Opens a folder for the case stored in it, and loads that case.
+    /// Opens the folder of results of other verbs than `run` for redrawing and loads its case.
+    ///
+    /// # Errors
+    /// The folder holds no case, or one that was changed in more than the plot options.
+    pub fn open_study(path: &Path) -> Result<(Self, Case), CommandError> {
+        let case = Case::load(&path.join(CASE_FILE), &[])?;
+        let (folder, case) = Self::for_stored_case(path, case);
+        folder.check_stored_case()?;
+        Ok((folder, case))
+    }
+
+    /// Opens a folder for the case of a simulation stored in it, and loads that case.
     pub(super) fn from_stored_case(path: &Path) -> Result<(Self, Case), CommandError> {
         let case = Case::load_simulation(&path.join(CASE_FILE), &[])?;
+        Ok(Self::for_stored_case(path, case))
+    }
+
+    fn for_stored_case(path: &Path, case: Case) -> (Self, Case) {
         let (text, case_without_plot_options) =
             (case.to_toml(), case.without_plot_options().to_toml());
-        Ok((
-            Self {
-                path: path.to_owned(),
-                case_toml: text,
-                case_without_plot_options,
-                can_overwrite: false,
-            },
-            case,
-        ))
+        let folder = Self {
+            path: path.to_owned(),
+            case_toml: text,
+            case_without_plot_options,
+            can_overwrite: false,
+        };
+        (folder, case)
     }
 
     fn read_origin(&self) -> Result<ResultOrigin, OutputError> {
@@ -200,9 +213,12 @@ impl ResultFolder {
     }
 }
 
-/// Returns the message that a folder holds results of other verbs than `run`; `None` if it holds files of a run, or no
-/// results.
+/// Returns the message that there is no folder of this path, or that it holds results of other verbs than `run`; `None`
+/// if it holds files of a run, or no results.
 fn describe_other_results(path: &Path) -> Option<String> {
+    if let Some(fault) = describe_missing_folder(path) {
+        return Some(fault.to_owned());
+    }
     const VERBS: [&str; 8] =
         ["map", "point", "dispersion", "diagram", "speeds", "shocks", "check", "compare"];
     let run_files = [AppendedFile::Checkpoint, AppendedFile::Log, AppendedFile::Ledger];

@@ -2,7 +2,7 @@
 
 use super::checksums::{Damage, read_checksums};
 use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, has_checksum, is_run_file_name};
-use super::{AppendedFile, OutputError, ResultFolder, list_file_names};
+use super::{AppendedFile, OutputError, ResultFolder, describe_missing_folder, list_file_names};
 use crate::cli::CommandError;
 use crate::cli::run::Checkpoint;
 use files::FileDigest;
@@ -39,8 +39,8 @@ pub fn verify_folder(path: &Path) -> Result<VerificationResult, CommandError> {
     if !names.iter().any(is_result_file_name) {
         return Err(OutputError {
             path: path.to_owned(),
-            cause: "holds no results".into(),
-            remedy: "name the folder of results of a verb",
+            cause: describe_missing_folder(path).unwrap_or("holds no results").into(),
+            remedy: "name a folder with the results of a command, such as out/<name of the case>",
         }
         .into());
     }

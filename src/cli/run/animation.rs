@@ -5,6 +5,7 @@ use crate::cli::CommandError;
 use crate::cli::folder::{
     OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot_name, joint_snapshot_file_name,
 };
+use crate::report::PictureOptions;
 use crate::report::run::{AnimationFrame, FrameConverter, FrameScale};
 use files::read_regular_file;
 use std::path::Path;
@@ -14,7 +15,7 @@ pub(in crate::cli) const ANIMATION_FILE: &str = "animation.gif";
 
 /// Animation that is to be written to a results folder, if any.
 pub(in crate::cli) enum AnimationOutput {
-    /// The case requests no snapshots, or there are fewer than two.
+    /// The case requests no snapshots, there are fewer than two, or no pictures are drawn.
     NoAnimation,
     /// All values are zero. An existing animation, which shows another quantity, must be removed.
     AllZero,
@@ -29,7 +30,11 @@ pub(in crate::cli) enum AnimationOutput {
 pub(in crate::cli) fn draw_animation(
     case: &Case,
     folder: &ResultFolder,
+    pictures: &PictureOptions,
 ) -> Result<AnimationOutput, CommandError> {
+    if pictures.formats.is_empty() {
+        return Ok(AnimationOutput::NoAnimation);
+    }
     let Some(frames) = FrameConverter::new(case)? else { return Ok(AnimationOutput::NoAnimation) };
     let list = folder.path().join(SNAPSHOT_LIST_FILE);
     let unreadable = |path: &Path, error| OutputError::from_read_error(path, &error);

@@ -5,6 +5,7 @@ use crate::cli::folder::{
     AppendedFile, JOINT_SNAPSHOT_LIST_FILE, SNAPSHOT_LIST_FILE, has_joint_files,
     joint_snapshot_file_name, snapshot_file_name,
 };
+use crate::report::PictureOptions;
 use crate::{Error, case::dynamics::PlottedQuantity};
 use dynamics::simulation::RegularTimes;
 use models::interface::parameters::LayerMaterial;
@@ -15,7 +16,10 @@ use models::interface::parameters::LayerMaterial;
 ///
 /// # Errors
 /// The case has no simulation.
-pub(super) fn list_planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
+pub(super) fn list_planned_file_names(
+    case: &Case,
+    pictures: &PictureOptions,
+) -> Result<Vec<String>, Error> {
     let (has_receivers, interval, duration) = match case.time_domain_run()? {
         TimeDomainRun::Solid(own) => {
             (!own.receivers.is_empty(), own.output.snapshot_interval, own.time.duration)
@@ -63,7 +67,9 @@ pub(super) fn list_planned_file_names(case: &Case) -> Result<Vec<String>, Error>
     names.push(AppendedFile::Log.name().to_owned());
     if interval > 0.0 {
         let last = RegularTimes::new(interval, duration).count_until(duration).saturating_sub(1);
-        names.push("animation.gif".to_owned());
+        if !pictures.formats.is_empty() {
+            names.push("animation.gif".to_owned());
+        }
         let mut add_series = |list: &str, name: &dyn Fn(usize) -> String| {
             names.push(list.to_owned());
             match last {

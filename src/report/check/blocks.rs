@@ -1,6 +1,6 @@
 //! Check report of a periodic medium of blocks and joints: table.
 
-use super::solid::{write_column_headers, write_rows};
+use super::solid::{column_headers, write_rows};
 use super::{format_max_error, format_unmeasured_count};
 use crate::report::format::format_count;
 use crate::study::check::blocks::BlockyMediumCheck;
@@ -28,7 +28,7 @@ impl BlockyMediumCheck {
             "frequencies ω in rad/s; errors and growth rates γ relative to ω; {}\n",
             grids.join("; ")
         );
-        write_column_headers("error (coarse)", text);
+        text.push_str(&column_headers("error (coarse)"));
         write_rows(&self.branch_checks, text);
         let failed =
             self.branch_checks.iter().filter(|row| row.is_in_agreement == Some(false)).count();

@@ -1,12 +1,12 @@
 //! Check report of a model given as equations.
 
 use super::{
-    format_agreement, format_max_error, format_scientific, format_signed_significant,
+    Disagreement, format_agreement, format_max_error, format_scientific, format_signed_significant,
     format_significant,
 };
 use crate::case::Case;
 use crate::report::format::{case_title, format_count, format_short};
-use crate::study::check::equations::{EquationsCheck, EvolutionCheck, WaveCheck};
+use crate::study::check::equations::{EquationsCheck, EvolutionCheck, ModeCheck, WaveCheck};
 use std::fmt::Write as _;
 
 pub(super) const EQUATIONS_CHECK_UNITS: [(&str, &str); 5] = [
@@ -25,20 +25,7 @@ impl EquationsCheck {
              errors relative to the terms of an entry\n\n",
         );
         for own in &self.wave_checks {
-            let _ = writeln!(
-                text,
-                "k = {} 1/m, ς = {} {:+.3e} i 1/s: error {}{}, {}",
-                own.format_wave_vector(),
-                format_short(own.rate[0]),
-                own.rate[1],
-                format_scientific(own.error),
-                if own.error > 0.0 {
-                    format!(" ({}, {})", own.equation, own.unknown)
-                } else {
-                    String::new()
-                },
-                format_agreement(own.is_symbol_in_agreement)
-            );
+            let _ = writeln!(text, "{}", own.format_row());
         }
         self.write_evolution(&mut text);
         let (largest, tolerance) =
@@ -50,6 +37,25 @@ impl EquationsCheck {
             self.describe_rates(),
         );
         text
+    }
+
+    /// Returns the waves that disagree, with the modes that disagree.
+    pub(super) fn disagreements(&self) -> Vec<Disagreement> {
+        let waves = self.wave_checks.iter().filter(|own| !own.is_in_agreement);
+        waves
+            .map(|own| {
+                let mut row = format!("{}\n", own.format_row());
+                let mut error = own.error;
+                if let Some(evolution) = &own.evolution {
+                    let _ = writeln!(row, "  {}", evolution.summarise());
+                    for mode in evolution.modes.iter().filter(|mode| !mode.is_in_agreement) {
+                        let _ = writeln!(row, "{}", format_mode(mode));
+                    }
+                    error = error.max(evolution.max_relative_difference);
+                }
+                Disagreement { heading: String::new(), row, error }
+            })
+            .collect()
     }
 
     fn write_evolution(&self, text: &mut String) {
@@ -65,18 +71,8 @@ impl EquationsCheck {
         {
             let _ =
                 writeln!(text, "\nk = {} 1/m: {}", own.format_wave_vector(), evolution.summarise());
-            let rate = |[re, im]: [f64; 2]| {
-                format!("{} {} i", format_significant(re), format_signed_significant(im))
-            };
             for mode in &evolution.modes {
-                let _ = writeln!(
-                    text,
-                    "  predicted {}, measured {}, tolerance {}, {}",
-                    rate(mode.predicted),
-                    rate(mode.measured),
-                    format_scientific(mode.tolerance),
-                    format_agreement(mode.is_in_agreement)
-                );
+                let _ = writeln!(text, "{}", format_mode(mode));
             }
         }
     }
@@ -122,10 +118,40 @@ impl EquationsCheck {
 }
 
 impl WaveCheck {
+    /// Formats the comparison of the symbol as a line.
+    fn format_row(&self) -> String {
+        let place = match self.error > 0.0 {
+            true => format!(" ({}, {})", self.equation, self.unknown),
+            false => String::new(),
+        };
+        format!(
+            "k = {} 1/m, ς = {} {:+.3e} i 1/s: error {}{place}, {}",
+            self.format_wave_vector(),
+            format_short(self.rate[0]),
+            self.rate[1],
+            format_scientific(self.error),
+            format_agreement(self.is_symbol_in_agreement)
+        )
+    }
+
     fn format_wave_vector(&self) -> String {
         let components: Vec<String> = self.wave_vector.iter().map(|k| format_short(*k)).collect();
         format!("({})", components.join(", "))
     }
+}
+
+/// Formats the comparison of a mode as a line.
+fn format_mode(mode: &ModeCheck) -> String {
+    let rate = |[re, im]: [f64; 2]| {
+        format!("{} {} i", format_significant(re), format_signed_significant(im))
+    };
+    format!(
+        "  predicted {}, measured {}, tolerance {}, {}",
+        rate(mode.predicted),
+        rate(mode.measured),
+        format_scientific(mode.tolerance),
+        format_agreement(mode.is_in_agreement)
+    )
 }
 
 impl EvolutionCheck {

@@ -1,7 +1,7 @@
 //! Check report of a flow: table and pictures.
 
 use super::{
-    format_agreement, format_max_error, format_scientific, format_signed_scientific,
+    Disagreement, format_agreement, format_max_error, format_scientific, format_signed_scientific,
     format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
@@ -22,24 +22,52 @@ pub(super) const FLOW_CHECK_UNITS: [(&str, &str); 5] = [
 /// Names of the modes of a wave, by descending growth rate.
 const MODE_NAMES: [&str; 2] = ["first", "second"];
 
+/// Returns the line of column headers.
+pub(super) fn column_headers() -> String {
+    format!(
+        "{:<24}{:>13}{:>13}{:>10}{:>11}{:>7}{:>21}\n",
+        "", "predicted", "measured", "error", "tolerance", "order", "(γ_frozen − γ)/Q_D"
+    )
+}
+
 impl FlowCheck {
+    /// Returns the modes and grid refinements that disagree.
+    pub(super) fn disagreements(&self) -> Vec<Disagreement> {
+        let rows = self.mode_checks.iter().filter(|row| row.is_in_agreement == Some(false));
+        let mut all: Vec<Disagreement> = rows
+            .map(|row| {
+                let mut text = String::new();
+                row.write_row(self.shear_rate, &mut text);
+                let error = row.rate_difference.map(|own| own.max_norm() / row.rate_scale);
+                Disagreement {
+                    heading: row.format_wave_vector(),
+                    row: text,
+                    error: error.unwrap_or(f64::INFINITY),
+                }
+            })
+            .collect();
+        let refinements = self.refinements.iter().filter(|own| !own.is_in_agreement);
+        all.extend(refinements.map(|own| {
+            let mut row = String::new();
+            own.write_table(&mut row);
+            let errors =
+                own.fastest_modes.iter().map(|grid| grid.relative_error(own.shear_rate).abs());
+            Disagreement { heading: String::new(), row, error: errors.fold(0.0, f64::max) }
+        }));
+        all
+    }
+
     pub(super) fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n{}\n", case_title(case), case.medium().title());
         text.push_str(
             "growth rates γ in 1/s of waves advected by the mean flow; errors relative to max(|γ|, Q_D), Q_D \
              the shear rate\n\n",
         );
-        let _ = writeln!(
-            text,
-            "{:<24}{:>13}{:>13}{:>10}{:>11}{:>7}{:>21}",
-            "", "predicted", "measured", "error", "tolerance", "order", "(γ_frozen − γ)/Q_D"
-        );
+        text.push_str(&column_headers());
         let mut last = None;
         for row in &self.mode_checks {
             if last != Some(row.wave) {
-                let (k, along) =
-                    (format_short(row.wave.wave_number), format_short(row.wave.direction_deg));
-                let _ = writeln!(text, "k = {k} 1/m at {along}°");
+                let _ = writeln!(text, "{}", row.format_wave_vector());
                 last = Some(row.wave);
             }
             row.write_row(self.shear_rate, &mut text);
@@ -123,6 +151,12 @@ impl FlowCheck {
 }
 
 impl ModeCheck {
+    fn format_wave_vector(&self) -> String {
+        let (k, along) =
+            (format_short(self.wave.wave_number), format_short(self.wave.direction_deg));
+        format!("k = {k} 1/m at {along}°")
+    }
+
     fn write_row(&self, shear_rate: f64, text: &mut String) {
         let name = MODE_NAMES[(self.mode_number - 1).min(1)];
         let predicted = self.predicted_rate.growth_rate;
@@ -149,6 +183,13 @@ impl ModeCheck {
     }
 }
 
+impl FastestModeCheck {
+    /// Returns measured minus predicted growth rate, relative to max(|γ|, Q_D), Q_D the shear rate, 1/s.
+    fn relative_error(&self, shear_rate: f64) -> f64 {
+        (self.measured_growth - self.predicted_growth) / self.predicted_growth.abs().max(shear_rate)
+    }
+}
+
 impl RefinementCheck {
     fn write_table(&self, text: &mut String) {
         let title = self.model_title;
@@ -158,14 +199,13 @@ impl RefinementCheck {
         }
         for grid in &self.fastest_modes {
             let [columns, rows] = grid.point_counts;
-            let scale = grid.predicted_growth.abs().max(self.shear_rate);
             let _ = writeln!(
                 text,
                 "  {:<22}{:>13}{:>13}{:>10}  {}",
                 format!("{columns} × {rows} points"),
                 format_significant(grid.predicted_growth),
                 format_significant(grid.measured_growth),
-                format_signed_scientific((grid.measured_growth - grid.predicted_growth) / scale),
+                format_signed_scientific(grid.relative_error(self.shear_rate)),
                 format_agreement(grid.is_in_agreement),
             );
         }

@@ -28,15 +28,12 @@ impl Report for CheckResult {
     }
 
     fn to_text(&self, case: &Case) -> String {
-        match &self.outcome {
-            CheckOutcome::NotMeasurable { reason } => {
-                let (title, medium) = (case_title(case), &self.medium_title);
-                format!("{title}\n{medium}\n\nnot measurable: {reason}\n")
+        let text = self.outcome_to_text(case);
+        match (&self.solid_verdict, text.split_once('\n')) {
+            (Some(verdict), Some((title, rest))) => {
+                format!("{title}\nverdict of the analysis: {verdict}\n{rest}")
             }
-            CheckOutcome::Equations(own) => own.to_text(case),
-            CheckOutcome::Flow(own) => own.to_text(case),
-            CheckOutcome::Solid(own) => own.to_text(case),
-            CheckOutcome::Shocks(own) => own.to_text(case, &self.medium_title),
+            _ => text,
         }
     }
 
@@ -78,6 +75,67 @@ impl Report for CheckResult {
     }
 }
 
+/// Row of a check whose measurement and prediction disagree.
+struct Disagreement {
+    /// Line above the row, such as the wave vector; empty if the row says all.
+    heading: String,
+    /// Line of the table, or lines.
+    row: String,
+    /// Relative error by which rows are sorted.
+    error: f64,
+}
+
+impl CheckResult {
+    fn outcome_to_text(&self, case: &Case) -> String {
+        match &self.outcome {
+            CheckOutcome::NotMeasurable { reason } => {
+                let (title, medium) = (case_title(case), &self.medium_title);
+                format!("{title}\n{medium}\n\nnot measurable: {reason}\n")
+            }
+            CheckOutcome::Equations(own) => own.to_text(case),
+            CheckOutcome::Flow(own) => own.to_text(case),
+            CheckOutcome::Solid(own) => own.to_text(case),
+            CheckOutcome::Shocks(own) => own.to_text(case, &self.medium_title),
+        }
+    }
+
+    /// Renders title, rows that disagree, from the largest relative error to the smallest, and summary.
+    pub fn render_disagreements(&self, case: &Case) -> String {
+        let mut text = format!("{}\n", case_title(case));
+        let (mut rows, header) = match &self.outcome {
+            CheckOutcome::NotMeasurable { reason } => {
+                return format!("{text}not measurable: {reason}\n");
+            }
+            CheckOutcome::Equations(own) => (own.disagreements(), String::new()),
+            CheckOutcome::Flow(own) => (own.disagreements(), flow::column_headers()),
+            CheckOutcome::Solid(own) => {
+                (own.disagreements(), solid::column_headers("error (coarse)"))
+            }
+            CheckOutcome::Shocks(own) => (own.disagreements(), shocks::column_headers()),
+        };
+        rows.sort_by(|one, other| other.error.total_cmp(&one.error));
+        if !rows.is_empty() {
+            text += &header;
+        }
+        let mut last = String::new();
+        for own in rows {
+            if !own.heading.is_empty() && own.heading != last {
+                text += &format!("{}\n", own.heading);
+            }
+            text += &own.row;
+            last = own.heading;
+        }
+        let [all, failed] = self.item_and_failure_counts();
+        let verdict = if failed == 0 {
+            ": all agree".to_owned()
+        } else {
+            format!(": {failed} of {all} DISAGREE")
+        };
+        let error = format_max_error(self.max_relative_difference());
+        text + &format!("{error}{verdict}{}\n", format_unmeasured_count(self.unmeasured_count()))
+    }
+}
+
 /// Formats `largest`, the largest relative error of measured rates; `None` stands for no measurement.
 fn format_max_error(largest: Option<f64>) -> String {
     largest.map_or("nothing measured".to_owned(), |error| {
@@ -91,7 +149,7 @@ pub fn format_unmeasured_count(count: usize) -> String {
 }
 
 /// Last word of a row whose measurement and prediction disagree.
-pub const DISAGREES: &str = "DISAGREES";
+const DISAGREES: &str = "DISAGREES";
 
 fn format_agreement(is_in_agreement: bool) -> &'static str {
     if is_in_agreement { "agrees" } else { DISAGREES }

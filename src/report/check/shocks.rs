@@ -1,7 +1,7 @@
 //! Check report of plane waves in granular and porous media: tables and picture.
 
 use super::{
-    format_agreement, format_max_error, format_scientific, format_signed_scientific,
+    Disagreement, format_agreement, format_max_error, format_scientific, format_signed_scientific,
     format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
@@ -15,7 +15,34 @@ pub(super) const SHOCK_CHECK_UNITS: [(&str, &str); 1] = [("time", "s")];
 const MEGAPASCAL: f64 = 1e6;
 const MILLISECOND: f64 = 1e-3;
 
+/// Returns the line of column headers.
+pub(super) fn column_headers() -> String {
+    format!(
+        "  {:<44}{:>6} {:>13}{:>13}{:>12}{:>11}\n",
+        "", "", "predicted", "measured", "difference", "tolerance",
+    )
+}
+
 impl ShockCheck {
+    /// Returns the quantities that disagree.
+    pub(super) fn disagreements(&self) -> Vec<Disagreement> {
+        let rows = self
+            .columns
+            .iter()
+            .flat_map(|column| column.quantity_checks.iter().map(move |row| (column, row)));
+        rows.filter(|(_, row)| row.is_in_agreement == Some(false))
+            .map(|(column, row)| {
+                let mut text = String::new();
+                row.write_row(&mut text);
+                Disagreement {
+                    heading: column.format_heading(),
+                    row: text,
+                    error: row.relative_difference.map_or(f64::INFINITY, f64::abs),
+                }
+            })
+            .collect()
+    }
+
     pub(super) fn to_text(&self, case: &Case, medium_title: &str) -> String {
         let mut text = format!("{}\n{medium_title}\n", case_title(case));
         for column in &self.columns {
@@ -64,24 +91,22 @@ impl ShockCheck {
 }
 
 impl ColumnCheck {
+    fn format_heading(&self) -> String {
+        format!("{}: {} cells", self.problem, self.cells)
+    }
+
     fn write_table(&self, text: &mut String) {
-        let _ = writeln!(text, "\n{}: {} cells", self.problem, self.cells);
+        let _ = writeln!(text, "\n{}", self.format_heading());
         if let Some(reason) = &self.unmeasured_reason {
             let _ = writeln!(text, "not measurable: {reason}");
             return;
         }
         let _ = writeln!(
             text,
-            "{} steps, profile at t = {} s; differences relative to the predicted value, or to the load where that is 0\n\n  \
-             {:<44}{:>6} {:>13}{:>13}{:>12}{:>11}",
+            "{} steps, profile at t = {} s; differences relative to the predicted value, or to the load where that is 0\n\n{}",
             self.steps,
             format_short(self.time),
-            "",
-            "",
-            "predicted",
-            "measured",
-            "difference",
-            "tolerance",
+            column_headers().trim_end_matches('\n'),
         );
         for row in &self.quantity_checks {
             row.write_row(text);

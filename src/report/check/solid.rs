@@ -1,12 +1,12 @@
 //! Check report of a solid: table and picture.
 
 use super::{
-    format_agreement, format_max_error, format_scientific, format_signed_scientific,
+    Disagreement, format_agreement, format_max_error, format_scientific, format_signed_scientific,
     format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
 use crate::report::format::{case_title, format_count, format_short};
-use crate::study::check::solid::{BranchCheck, MediumCheck, SolidCheck};
+use crate::study::check::solid::{BandGapCheck, BranchCheck, MediumCheck, SolidCheck};
 use crate::study::dispersion::WaveVector;
 use agreement::solids::WaveResponse;
 use figures::{DispersionBranch, DispersionFigure, FrequencyBand};
@@ -30,30 +30,56 @@ impl SolidCheck {
         }
         text
     }
+
+    /// Returns the branches and band gaps that disagree; band gaps have the error 0.
+    pub(super) fn disagreements(&self) -> Vec<Disagreement> {
+        let mut all = Vec::new();
+        for medium in &self.medium_checks {
+            let place = medium.format_place();
+            all.extend(collect_disagreements(&place, &medium.branch_checks));
+            let bands = medium.band_gaps.iter().filter(|band| !band.is_in_agreement);
+            all.extend(bands.map(|band| {
+                let row = format!("{place}{}", format_band_gap(band));
+                Disagreement { heading: String::new(), row, error: 0.0 }
+            }));
+        }
+        for blocks in &self.blocky_medium_checks {
+            let place = format!("{}: ", blocks.section_key);
+            all.extend(collect_disagreements(&place, &blocks.branch_checks));
+        }
+        all
+    }
+}
+
+/// Formats the check of a band gap as a line.
+fn format_band_gap(band: &BandGapCheck) -> String {
+    let at = |own: Option<f64>| own.map_or("none".to_owned(), format_significant);
+    format!(
+        "no {} waves between {} and {} rad/s: nearest measured {} and {}  {}\n",
+        band.polarisation,
+        format_significant(band.lower_edge),
+        format_significant(band.upper_edge),
+        at(band.nearest_frequencies[0]),
+        at(band.nearest_frequencies[1]),
+        format_agreement(band.is_in_agreement),
+    )
 }
 
 impl MediumCheck {
+    /// Returns the prefix of texts about this medium: the key of its region.
+    fn format_place(&self) -> String {
+        match self.region_key.is_empty() {
+            true => String::new(),
+            false => format!("{}: ", self.region_key),
+        }
+    }
+
     fn write_table(&self, text: &mut String) {
-        let place = if self.region_key.is_empty() {
-            String::new()
-        } else {
-            format!("{}: ", self.region_key)
-        };
-        let _ = writeln!(text, "{place}{}", self.medium_title);
+        let _ = writeln!(text, "{}{}", self.format_place(), self.medium_title);
         self.write_table_header(text);
         write_rows(&self.branch_checks, text);
         for band in &self.band_gaps {
-            let at = |own: Option<f64>| own.map_or("none".to_owned(), format_significant);
-            let _ = writeln!(
-                text,
-                "\nno {} waves between {} and {} rad/s: nearest measured {} and {}  {}",
-                band.polarisation,
-                format_significant(band.lower_edge),
-                format_significant(band.upper_edge),
-                at(band.nearest_frequencies[0]),
-                at(band.nearest_frequencies[1]),
-                format_agreement(band.is_in_agreement),
-            );
+            let _ = write!(text, "\n{}", format_band_gap(band));
         }
         let failed =
             self.branch_checks.iter().filter(|row| row.is_in_agreement == Some(false)).count();
@@ -86,7 +112,7 @@ impl MediumCheck {
              each axis\n",
             cells.join(", ")
         );
-        write_column_headers(&format!("error (N = {coarse})"), text);
+        text.push_str(&column_headers(&format!("error (N = {coarse})")));
     }
 
     /// Creates the figure of measured frequencies on predicted curves. Measurements in all directions are drawn for the
@@ -211,16 +237,37 @@ pub(super) fn write_rows(rows: &[BranchCheck], text: &mut String) {
     for row in merge_equal_branches(rows) {
         let wave = row.wave;
         if last != Some(wave) {
-            let up = match wave.elevation_deg {
-                0.0 => String::new(),
-                up => format!(", {}° above the plane", format_short(up)),
-            };
-            let (k, along) = (format_short(wave.wave_number), format_short(wave.direction_deg));
-            let _ = writeln!(text, "k = {k} 1/m at {along}°{up}");
+            let _ = writeln!(text, "{}", format_wave_vector(&wave));
             last = Some(wave);
         }
         row.write_row(text);
     }
+}
+
+fn format_wave_vector(wave: &WaveVector) -> String {
+    let up = match wave.elevation_deg {
+        0.0 => String::new(),
+        up => format!(", {}° above the plane", format_short(up)),
+    };
+    let (k, along) = (format_short(wave.wave_number), format_short(wave.direction_deg));
+    format!("k = {k} 1/m at {along}°{up}")
+}
+
+/// Collects the rows that disagree, each once; `place` is the prefix of their wave vectors.
+fn collect_disagreements<'a>(
+    place: &'a str,
+    rows: &'a [BranchCheck],
+) -> impl Iterator<Item = Disagreement> + 'a {
+    let rows = merge_equal_branches(rows).into_iter();
+    rows.filter(|row| row.is_in_agreement == Some(false)).map(move |row| {
+        let mut text = String::new();
+        row.write_row(&mut text);
+        Disagreement {
+            heading: format!("{place}{}", format_wave_vector(&row.wave)),
+            row: text,
+            error: row.measured_difference.map_or(f64::INFINITY, |own| own.max_norm()),
+        }
+    })
 }
 
 /// Returns one row for each branch of each wave: of branches of equal frequency, which have the same name, the first that
@@ -249,13 +296,12 @@ fn merge_equal_branches(rows: &[BranchCheck]) -> Vec<&BranchCheck> {
     merged
 }
 
-/// Writes the column headers; `coarse` is that of the error on the coarsest grid.
-pub(super) fn write_column_headers(coarse: &str, text: &mut String) {
-    let _ = writeln!(
-        text,
-        "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}",
+/// Returns the line of column headers; `coarse` is that of the error on the coarsest grid.
+pub(super) fn column_headers(coarse: &str) -> String {
+    format!(
+        "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}\n",
         "", "predicted", "measured", "error", "expected", "growth", "tolerance", coarse, "order",
-    );
+    )
 }
 
 impl BranchCheck {

@@ -5,7 +5,7 @@ use crate::case::Case;
 use crate::report::format::{
     VALIDITY_NOTE, case_title, coefficient_unit, format_order, format_short,
 };
-use crate::study::point::equations::{EquationsAnalysis, LinearisedEntry};
+use crate::study::point::equations::{EquationsAnalysis, LinearisedEntry, format_components};
 use crate::study::point::flow_state::WaveLimit;
 use files::npz::NpzWriter;
 use std::fmt::Write as _;
@@ -43,7 +43,7 @@ fn write_background(found: &EquationsAnalysis, text: &mut String) {
     text.push_str("\nResiduals at the background, in units of the largest term of the equation\n");
     for own in &found.residuals {
         let note = if own.is_driven { "  (balanced by a body force)" } else { "" };
-        let _ = writeln!(text, "  {:<24}{:.1e}{note}", own.equation, own.relative);
+        let _ = writeln!(text, "  {:<24}{}{note}", own.equation, format_short(own.relative));
     }
 }
 
@@ -101,6 +101,9 @@ fn write_roots(found: &EquationsAnalysis, text: &mut String) {
     if found.dimensions > 2 {
         let _ = write!(text, ", elevation {}°", format_short(wave.elevation_deg));
     }
+    if found.linearised.velocity.iter().any(|own| *own != 0.0) {
+        text.push_str(", in the frame at rest");
+    }
     text.push('\n');
     for [re, im] in found.dispersion_roots.iter().flatten() {
         let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", format_short(*re));
@@ -123,7 +126,7 @@ fn write_verdict(found: &EquationsAnalysis, text: &mut String) {
             coefficient_unit(order)
         );
     }
-    if let Some(direction) = found.direction.as_ref().filter(|own| own.len() > 1) {
+    if let Some(direction) = found.direction.as_ref().filter(|own| own.len() == 2) {
         let _ = writeln!(text, "  direction ({})", format_components(direction));
     }
     if let Some(step) = found.resolution_deg {
@@ -143,15 +146,11 @@ fn write_verdict(found: &EquationsAnalysis, text: &mut String) {
             Some(own) if own.len() > 1 => format!(", direction ({})", format_components(own)),
             _ => String::new(),
         };
-        let _ =
-            writeln!(text, "  growth rate at most {} 1/s, {place}{direction}", format_short(bound));
+        let _ = write!(text, "  growth rate at most {} 1/s", format_short(bound));
+        // No wave is singled out by a rate of zero.
+        text.push_str(&if bound == 0.0 { "\n".into() } else { format!(", {place}{direction}\n") });
     }
     let _ = writeln!(text, "Route: {}\n{VALIDITY_NOTE}", found.evidence.route);
-}
-
-fn format_components(vector: &[f64]) -> String {
-    let components: Vec<String> = vector.iter().map(|own| format_short(*own)).collect();
-    components.join(", ")
 }
 
 /// Creates the archive of the linearised equations: matrices A, B and C by rows, and the list of all coefficients.

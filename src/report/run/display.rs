@@ -8,6 +8,7 @@ use crate::study::simulate::{
 };
 use analysis::growth::Growth;
 use dynamics::simulation::StepLimit;
+use models::common::decimal::ToPlainText;
 use models::common::elementary::Elementary;
 use std::fmt::{Display, Formatter, Result};
 
@@ -176,7 +177,11 @@ impl Display for StopCause {
         match self {
             Self::NonFiniteField { field, cell_centre } => {
                 let field = StateComponent(*field);
-                write!(formatter, "{field} is not finite in the cell at {cell_centre:?} m")
+                write!(
+                    formatter,
+                    "{field} is not finite in the cell at {cell_centre} m",
+                    cell_centre = cell_centre.to_plain_text()
+                )
             }
             Self::NonFiniteEnergy => formatter.write_str("the energy is not finite"),
             Self::FlowDomainExit { description, position: Some(at) } => {

@@ -5,6 +5,7 @@ use super::geometry::cell_centre;
 use crate::case::CaseError;
 use dynamics::initial::{NonUniformLayer, add_lithostatic_stress, layer_densities};
 use dynamics::medium::Medium;
+use models::common::decimal::ToPlainText;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
@@ -62,9 +63,11 @@ impl GridConverter<'_> {
         NonUniformLayer { cell, densities: [own, density] }: NonUniformLayer,
     ) -> CaseError {
         let found = format!(
-            "densities {own:?} and {density:?} side by side, at x{} = {:?}",
+            "densities {} and {} side by side, at x{} = {}",
+            own.to_plain_text(),
+            density.to_plain_text(),
             axis + 1,
-            cell_centre(self.solid_run, cell)[axis]
+            cell_centre(self.solid_run, cell)[axis].to_plain_text()
         );
         let allowed = "densities that change along gravity alone; balanced = false lets \
                        the weight act from the start";

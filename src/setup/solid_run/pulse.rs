@@ -6,6 +6,7 @@ use crate::case::dynamics::{BodyWaveType, PlanePulseInput, SolidRun};
 use crate::case::{Case, WaveNumbers};
 use crate::setup::solid::{create_elastic_law_and_set, wave_normal};
 use dynamics::initial::PlanePulse;
+use models::common::decimal::ToPlainText;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::SolidField;
 
@@ -69,7 +70,8 @@ impl<'a> IncidentPulse<'a> {
         for (cell, _) in of_cell.iter().enumerate().filter(|other| *other.1 != medium) {
             let x = cell_centre(solid_run, cell);
             if own.relative_amplitude(&x).abs() > MAX_OUTSIDE_FRACTION {
-                let found = format!("a pulse that reaches another medium at {x:?}");
+                let found =
+                    format!("a pulse that reaches another medium at {x}", x = x.to_plain_text());
                 let allowed = "one that begins in one medium: a smaller width, or at and time \
                                farther from the others";
                 return Err(solid_run.key_error(key, found, allowed).into());

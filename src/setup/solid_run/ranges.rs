@@ -11,6 +11,7 @@ use crate::case::{Case, CaseError};
 use crate::setup::solid;
 use dynamics::medium::Medium;
 use models::InputError;
+use models::common::decimal::ToPlainText;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 use std::cell::RefCell;
@@ -84,7 +85,7 @@ pub(super) fn check_constants(case: &Case, solid_run: &SolidRun) -> Result<(), E
                 range.max_constant,
                 range.precision_name
             );
-            let found = format!("{value:?}");
+            let found = value.to_plain_text();
             let error = InputError { input, rejected_value: found, allowed_values: allowed };
             return Err(material.locate_error(error).into());
         }
@@ -129,7 +130,7 @@ fn find_joint_fault(
         let units = ", in other units if need be";
         return Some((
             format!(".{constant}"),
-            format!("found {value:?}"),
+            format!("found {value}", value = value.to_plain_text()),
             allowed(max_constant) + units,
         ));
     }
@@ -249,11 +250,15 @@ impl<'a> WaveRange<'a> {
         let mut amplitude = drive.amplitude;
         let key = format!("{}.amplitude", drive.entry);
         if let Some(size) = self.find_fault(drive.field, amplitude) {
-            return Err(self.wave_error(&key, &format!("{amplitude:?}"), size));
+            return Err(self.wave_error(&key, &amplitude.to_plain_text(), size));
         }
         for (key, samples) in drive.tables() {
             let max = samples.max_magnitude();
-            let found = format!("values up to {max:?} times {amplitude:?}");
+            let found = format!(
+                "values up to {max} times {amplitude}",
+                max = max.to_plain_text(),
+                amplitude = amplitude.to_plain_text()
+            );
             amplitude *= max;
             if let Some(size) = self.find_fault(drive.field, amplitude) {
                 return Err(self.wave_error(&key, &found, size));
@@ -272,7 +277,10 @@ impl<'a> WaveRange<'a> {
             sum += high;
             if sum > self.range.amplitude_range[1] {
                 let key = format!("{}.amplitude", drive.entry);
-                let found = format!("{:?} and the loads and sources before it", drive.amplitude);
+                let found = format!(
+                    "{} and the loads and sources before it",
+                    drive.amplitude.to_plain_text()
+                );
                 return Err(self.wave_error(&key, &found, sum));
             }
         }
@@ -292,7 +300,11 @@ impl<'a> WaveRange<'a> {
         if high <= self.range.amplitude_range[1] {
             return Ok(());
         }
-        let found = format!("an initial state with {} up to {max:?}", StateComponent(field));
+        let found = format!(
+            "an initial state with {} up to {}",
+            StateComponent(field),
+            max.to_plain_text()
+        );
         Err(self.wave_error(&format!("initial[{index}]"), &found, high))
     }
 
@@ -309,14 +321,17 @@ impl<'a> WaveRange<'a> {
             let velocity = pull * self.solid_run.time.duration;
             let [_, high] = self.amplitudes_in_waves(SolidField::Velocity(0), velocity);
             if *pull != 0.0 && (high.is_nan() || high > max) {
-                let found = format!("{pull:?}, a velocity of {velocity:.1e} m/s at the end");
+                let found = format!(
+                    "{pull}, a velocity of {velocity:.1e} m/s at the end",
+                    pull = pull.to_plain_text()
+                );
                 return Err(self.wave_error(gravity_key, &found, high));
             }
         }
         for (component, value) in &self.solid_run.initial_stress {
             if value.abs() > max {
                 let key = format!("initial_stress.{component}");
-                return Err(self.wave_error(&key, &format!("{value:?}"), value.abs()));
+                return Err(self.wave_error(&key, &value.to_plain_text(), value.abs()));
             }
         }
         let components =

@@ -9,6 +9,7 @@ use crate::case::dynamics::{
 };
 use dynamics::boundary::{Signal, Source};
 use dynamics::point_kernel::{AxisEnd, PointPosition, bell_shares, nearest_share, spline_shares};
+use models::common::decimal::ToPlainText;
 use models::solid::waves::SolidField;
 use std::sync::Arc;
 
@@ -86,9 +87,11 @@ fn check_radius(solid_run: &SolidRun, axes: &[usize], radius: f64, key: &str) ->
     if radius <= widest && places <= MAX_KERNEL_CELLS {
         return Ok(());
     }
-    let found = format!("found {radius:?}, over {places:.1e} cells");
-    let allowed =
-        format!("expected at most {widest:?}, twice the grid, and {MAX_KERNEL_CELLS:e} cells");
+    let found = format!("found {radius}, over {places:.1e} cells", radius = radius.to_plain_text());
+    let allowed = format!(
+        "expected at most {widest}, twice the grid, and {MAX_KERNEL_CELLS:e} cells",
+        widest = widest.to_plain_text()
+    );
     Err(solid_run.key_error(&format!("{key}.radius"), found, allowed).into())
 }
 

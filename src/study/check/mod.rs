@@ -11,7 +11,7 @@ pub mod solid;
 
 pub use crate::setup::check::CheckExtent;
 
-use super::ProgressCallback;
+use super::{ProgressCallback, SolidVerdict, decide_solid_verdict};
 use crate::Error;
 use crate::case::Case;
 use crate::setup::check::{CheckPlan, format_reason};
@@ -31,6 +31,9 @@ pub struct CheckResult {
     /// measurements.
     #[serde(rename = "agrees")]
     pub is_in_agreement: Option<bool>,
+    /// Verdict of the analysis on a solid; `None` for other media.
+    #[serde(flatten)]
+    pub solid_verdict: Option<SolidVerdict>,
     /// Detailed results, by kind of medium.
     #[serde(flatten)]
     pub outcome: CheckOutcome,
@@ -109,7 +112,12 @@ pub fn check_agreement(
         },
         CheckPlan::NotMeasurable(reason) => (None, CheckOutcome::NotMeasurable { reason }),
     };
-    Ok(CheckResult { medium_title: case.medium().title(), is_in_agreement, outcome })
+    Ok(CheckResult {
+        medium_title: case.medium().title(),
+        is_in_agreement,
+        solid_verdict: decide_solid_verdict(case),
+        outcome,
+    })
 }
 
 impl CheckResult {

@@ -7,9 +7,10 @@ use crate::case::{Case, MapAxes};
 use crate::study::{ProgressCallback, report_progress};
 use analysis::solids::AcousticTensorCache;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Number of bisections of a step: a boundary is known to 1/16 of the step.
-const BISECTION_COUNT: usize = 4;
+pub(super) const BISECTION_COUNT: usize = 4;
 /// Distance of boundaries from a point on both sides, as a fraction of the step, up to which the points with the verdict
 /// in between are regarded as a set without area.
 const LINE_TOLERANCE: f64 = 0.125;
@@ -26,7 +27,8 @@ pub struct MapBoundaries {
 }
 
 impl MapBoundaries {
-    /// Locates the boundaries by bisection, on the rayon thread pool in which it is called.
+    /// Locates the boundaries by bisection, on the rayon thread pool in which it is called; progress counts the changes
+    /// of the verdict.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -54,16 +56,19 @@ impl MapBoundaries {
             computes_bound: false,
             computes_growth_rate: false,
         };
+        let done = AtomicUsize::new(0);
         let located: Vec<Vec<f64>> = changes
-            .par_chunks(POINTS_PER_PROGRESS_REPORT)
+            .par_chunks(POINTS_PER_PROGRESS_REPORT / BISECTION_COUNT)
             .map_init(
                 || PointAssessor::new(case, map, options, &cache),
                 |assessor, chunk| {
-                    report_progress(progress, points.len(), points.len())?;
-                    let places = chunk.iter().map(|&(point, axis)| {
+                    let bisect_change = |&(point, axis): &(usize, usize)| {
                         bisect(assessor, position(point), axis, &points[point])
-                    });
-                    Ok(places.collect())
+                    };
+                    let places = chunk.iter().map(bisect_change).collect();
+                    let count = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
+                    report_progress(progress, count, changes.len())?;
+                    Ok(places)
                 },
             )
             .collect::<Result<_, Error>>()?;

@@ -103,8 +103,16 @@ pub fn compute_map(
     let map = case.require_map()?;
     check_memory(case, map)?;
     let options = options.with_swept_wave(map);
-    let points = assess_points(case, map, options, progress)?;
-    let boundaries = MapBoundaries::locate(case, map, options, &points, progress)?;
+    // The number of changes of the verdict is unknown before all points are assessed. One boundary across the map
+    // changes the verdict on at most as many steps as the map has rows and columns.
+    let (nx, ny) = (map.x.point_count, map.y.point_count);
+    let boundary_share = boundaries::BISECTION_COUNT * (nx + ny);
+    let all = nx * ny + boundary_share;
+    let points = assess_points(case, map, options, &|done, _| progress(done, all))?;
+    let boundaries = MapBoundaries::locate(case, map, options, &points, &|done, changes| {
+        progress(nx * ny + boundary_share * done / changes, all)
+    })?;
+    report_progress(progress, all, all)?;
     Ok(MapResult::new(case, map, options, points, boundaries))
 }
 

@@ -5,9 +5,10 @@ use super::order_and_coefficient;
 use crate::Error;
 use crate::case::{Case, degrees_to_radians, derivative_name};
 use crate::setup;
+use crate::study::format::{describe_evidence_for, format_short};
 use crate::study::{ProgressCallback, report_progress};
 use analysis::bound::{self, Supremum};
-use analysis::equations::EquationsWorkspace;
+use analysis::equations::{EquationsAssessment, EquationsWorkspace};
 use analysis::growth::{Assessment, Verdict};
 use analysis::pencil::PencilRoots;
 use analysis::space::PLANE_STEP_DEG;
@@ -199,6 +200,10 @@ pub fn analyse_equations(
         .linearise(&state, &mut TextWorkspace::default(), &mut system)
         .map(|()| list_entries(model, &system))
         .map_err(|error| locate(error.into()))?;
+    let evidence = Evidence {
+        description: describe_verdict(&found, dispersion_roots.as_deref()),
+        ..Evidence::from(&found.assessment)
+    };
     let residuals = list_residuals(model, &state).map_err(|error| locate(error.into()))?;
     let [growth_order, growth_coefficient] = order_and_coefficient(&found.assessment.verdict);
     let direction_deg = match found.assessment.verdict {
@@ -223,13 +228,38 @@ pub fn analyse_equations(
         wave,
         dispersion_roots,
         infinite_root_count,
-        evidence: Evidence::from(&found.assessment),
+        evidence,
         background: list_background(model, &state),
         residuals,
         linearised,
         unused_parameters: model.unused_parameters().to_vec(),
         assessment: found.assessment,
     })
+}
+
+/// Describes as text the evidence of the verdict; `roots` are the dispersion roots of one wave.
+fn describe_verdict(found: &EquationsAssessment, roots: Option<&[[f64; 2]]>) -> String {
+    let verdict = &found.assessment.verdict;
+    if *verdict == Verdict::WellPosed && roots.is_some_and(<[_]>::is_empty) {
+        return "no dispersion roots: no wave evolves in time".to_owned();
+    }
+    let waves = match found.direction.as_deref() {
+        Some([_]) => "waves along x₁".to_owned(),
+        Some(&[x, y]) => {
+            format!("wave vectors at {}°", format_short(y.cr_atan2(x).to_degrees()))
+        }
+        Some(components) => format!("wave vectors along ({})", format_components(components)),
+        None => "all waves".to_owned(),
+    };
+    describe_evidence_for(verdict, &waves)
+}
+
+/// Lists the components of a unit vector as text.
+pub(crate) fn format_components(vector: &[f64]) -> String {
+    // No rounding errors of components that are zero.
+    let format = |own: &f64| format_short(if own.abs() < 1e-12 { 0.0 } else { *own });
+    let components: Vec<String> = vector.iter().map(format).collect();
+    components.join(", ")
 }
 
 fn list_background(model: &TextModel, state: &TextState) -> Vec<BackgroundNumber> {

@@ -15,6 +15,7 @@ use analysis::plane_shocks::column::{PulseShape, Spall};
 use analysis::plane_shocks::{
     PistonLoad, PistonSolution, PlaneState, Profile, ProfilePiece, Release, find_solitary_threshold,
 };
+use models::common::decimal::ToPlainText;
 use models::uniaxial::{ContactState, DiagramSegment, SegmentState, UniaxialDiagram};
 
 /// Computes the plane waves of a case exactly; writes nothing.
@@ -168,9 +169,9 @@ impl PistonWaves {
         let profile = profile.ok_or_else(|| {
             let latest =
                 release.as_ref().and_then(|own| own.overtaking).map_or(0.0, |own| own.time);
-            let found = format!("found {time:?}");
+            let found = format!("found {time}", time = time.to_plain_text());
             let allowed = format!(
-                "expected at most {latest:?} s: then the release wave overtakes the last loading wave"
+                "expected at most {latest} s: then the release wave overtakes the last loading wave", latest = latest.to_plain_text()
             );
             case.plane_wave_error("piston.profile_time", found, allowed)
         })?;
@@ -233,9 +234,10 @@ pub(crate) fn create_spall(
         && spall.pressure() > corner.pressure
     {
         let limit = corner.pressure / (medium.density() * spall.sound_speed());
-        let found = format!("found {:?}", own.speed);
+        let found = format!("found {}", own.speed.to_plain_text());
         let allowed = format!(
-            "expected at most {limit:?} m/s: the particles of a stronger pulse yield, or their contacts close"
+            "expected at most {limit} m/s: the particles of a stronger pulse yield, or their contacts close",
+            limit = limit.to_plain_text()
         );
         return Err(case.plane_wave_error("spall.speed", found, allowed));
     }

@@ -205,6 +205,7 @@ impl FlowJob<'_> {
         RunResult {
             title: self.case.title.clone(),
             model: Some(self.case.material.kind.name()),
+            solid_verdict: None,
             cell_counts: grid.points.to_vec(),
             box_lengths: Some(grid.lengths),
             step_count: found.step_count,

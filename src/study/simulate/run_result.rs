@@ -1,6 +1,7 @@
 //! Result of a simulation: final fields, energy ledger and recorded time series.
 
 use super::{JointFace, JointSummary, SimulationWarning, StopReport};
+use crate::study::SolidVerdict;
 use serde::{Serialize, Serializer};
 
 /// Result of a simulation of a solid or a flow; members that exist only for the other kind are `None`.
@@ -11,6 +12,9 @@ pub struct RunResult {
     /// Kind of the model; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<&'static str>,
+    /// Verdict of the analysis on a solid; `None` for flows, and for granular and porous media.
+    #[serde(flatten)]
+    pub solid_verdict: Option<SolidVerdict>,
     /// Cells of a solid, or points of a flow, along each axis.
     #[serde(rename = "cells")]
     pub cell_counts: Vec<usize>,
@@ -257,6 +261,7 @@ mod tests {
         RunResult {
             title: String::new(),
             model: None,
+            solid_verdict: None,
             cell_counts: vec![1, 1],
             box_lengths: None,
             step_count: 1,

@@ -22,6 +22,7 @@ use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{
     SolidSetup, cell_centre, compute_time_steps, create_media, create_probe, find_containing_cell,
 };
+use crate::study::decide_solid_verdict;
 use dynamics::SolverReal;
 use dynamics::domain::memory_bytes;
 use dynamics::medium::Medium;
@@ -29,6 +30,7 @@ use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
     TimeSteps,
 };
+use models::common::decimal::ToPlainText;
 
 /// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
@@ -401,7 +403,8 @@ impl SolidJob<'_> {
     /// Creates the error that the initial stress is outside the yield set.
     fn create_beyond_yield_error(&self, cell: usize) -> CaseError {
         let place = cell_centre(self.solid_run, cell);
-        let found = format!("a stress beyond yield in the cell at {place:?}");
+        let found =
+            format!("a stress beyond yield in the cell at {place}", place = place.to_plain_text());
         let allowed =
             "initial stresses, and those of [initial_stress] with them, within the yield set";
         self.solid_run.key_error("initial", found, allowed)
@@ -457,6 +460,7 @@ impl SolidJob<'_> {
         RunResult {
             title: self.case.title.clone(),
             model: None,
+            solid_verdict: decide_solid_verdict(self.case),
             cell_counts: solid_run.grid.cells.clone(),
             box_lengths: None,
             step_count: found.step_count,

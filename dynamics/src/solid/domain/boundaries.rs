@@ -96,7 +96,7 @@ fn create_faces<T: Real, const D: usize>(
     let loads: Vec<&Load> = problem.loads.iter().filter(is_at_end).collect();
     let pairs = problem.media[0].pairs[axis].len();
     let is_loaded = !loads.is_empty();
-    let slopes = problem.scheme.slopes;
+    let slopes = problem.boundary_slopes();
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), is_loaded, slopes);
     for load in loads {
         let is_longitudinal = problem.media[0].pairs[axis][load.pair].is_longitudinal();

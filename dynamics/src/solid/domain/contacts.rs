@@ -6,7 +6,6 @@ use super::layout::RowSegment;
 use super::plastic_cone::{complete_plastic_cone_step, cone_lanes, load_cone, plastic_cone_lanes};
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
-use crate::solid::cell::CellConstants;
 use crate::solid::contact_faces::{BOUNDARY_HISTORY, ContactConstants};
 use crate::solid::contact_law::{ContactLaw, ParticleRelaxation, TensorPlaces};
 use crate::solid::ghosts::BoundaryFaces;
@@ -56,6 +55,8 @@ pub(super) struct LaneContacts<T: Real> {
     group_factors: Vec<T>,
     /// By axis, index of the longitudinal pair of waves.
     longitudinal: Vec<usize>,
+    /// Whether any medium separates at faces.
+    pub(super) separates: bool,
 }
 
 impl<T: Real> LaneContacts<T> {
@@ -109,19 +110,7 @@ impl<T: Real> LaneContacts<T> {
         let face_constants = |axis: usize| {
             let by_medium = ContactConstants::<T>::by_medium(problem, axis);
             let pattern_constants = |pattern: &Vec<u16>| {
-                let lanes_of = |of: &dyn Fn(&ContactConstants<T>) -> T| {
-                    T::Lanes::from_lanes(|lane| of(&by_medium[usize::from(pattern[lane])]))
-                };
-                let open = |lane: usize| by_medium[usize::from(pattern[lane])].open;
-                ContactConstants {
-                    open: CellConstants::from_lanes(open),
-                    impedance_ratio: lanes_of(&|own| own.impedance_ratio),
-                    porosity: lanes_of(&|own| own.porosity),
-                    strain_per_velocity: lanes_of(&|own| own.strain_per_velocity),
-                    strain_per_stress: lanes_of(&|own| own.strain_per_stress),
-                    is_granular: lanes_of(&|own| own.is_granular),
-                    excess_compliance: lanes_of(&|own| own.excess_compliance),
-                }
+                ContactConstants::group(|lane| by_medium[usize::from(pattern[lane])])
             };
             patterns.iter().map(pattern_constants).collect()
         };
@@ -146,6 +135,7 @@ impl<T: Real> LaneContacts<T> {
         };
         Some(Self {
             extent: (fields.len() - 1) * pitch + 1,
+            separates: problem.separates(),
             relaxations,
             spring_stress: spring_stress.map(|places| places.scaled(pitch)),
             patterns: patterns.to_vec(),
@@ -246,14 +236,19 @@ fn by_pattern<L: Copy, C>(
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Returns the contacts at the faces of sweeps along an axis; `None` without contacts.
+    /// Returns the contacts at the faces of sweeps along an axis; `None` if the faces are those of elastic media.
     pub(super) fn path_contacts(
         &self,
         axis: usize,
         half_step: usize,
     ) -> Option<PathContacts<'_, T>> {
-        let LaneContacts { granular, porous, faces, group_factors, longitudinal, .. } =
-            self.lane_laws.contacts.as_ref()?;
+        let LaneContacts {
+            granular, porous, faces, group_factors, longitudinal, separates, ..
+        } = self.lane_laws.contacts.as_ref()?;
+        let excess = granular.as_ref().map(|own| &own.0).filter(|_| *separates);
+        if excess.is_none() && porous.is_none() {
+            return None;
+        }
         let boundary_value = |boundary: &BoundaryFaces<T>| match boundary {
             BoundaryFaces::Physical(_) => Some(T::from_f64(BOUNDARY_HISTORY)),
             BoundaryFaces::Periodic | BoundaryFaces::HaloEnd => None,
@@ -263,7 +258,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             // Constants along rows already have the factors of the layer.
             group_factors: if axis + 1 == D { group_factors } else { &[] },
             volumetric_strain: porous.as_ref().map(|own| own.0[0]),
-            excess: granular.as_ref().map(|own| own.0.normal),
+            excess,
             longitudinal: longitudinal[axis],
             boundary_values: self.boundaries.faces[half_step][axis].each_ref().map(boundary_value),
         })

@@ -12,7 +12,7 @@ use crate::simd::LaneGroup;
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BoundaryFaces, CLOSURE_CELLS};
 use crate::solid::line;
-use crate::solid::reconstruction::GHOSTS;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use models::interface::Interval;
 use std::ops::Range;
@@ -569,7 +569,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let first = [-2, self.cell_and_line_counts(bundle).0 as isize - 2][end];
         let stencil_cells = [0, 1, 2, 3].map(|i| self.read_cell(bundle, line, first + i, pair));
         let (states, cells) = (stencil_cells.map(|own| own.0), stencil_cells.map(|own| own.1));
-        let work = line::boundary_power(states, cells, self.scheme.slopes);
+        let separates = self.lane_laws.contacts.as_ref().is_some_and(|own| own.separates);
+        let slopes = if separates { Slopes::Godunov } else { self.scheme.slopes };
+        let work = line::boundary_power(states, cells, slopes);
         if end == 0 { -work } else { work }
     }
 }

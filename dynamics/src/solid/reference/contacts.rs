@@ -2,10 +2,12 @@
 
 use super::Reference;
 use super::sweep::{GridLine, LineFields};
+use crate::solid::contact_faces::separation::ExcessInvariants;
 use crate::solid::contact_faces::{BOUNDARY_HISTORY, FaceContacts, FaceStencil};
 use crate::solid::contact_law::{ContactLaw, ParticleRelaxation, TensorPlaces};
 use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::BoundaryFaces;
+use crate::solid::interlayers::with_pair_count;
 use crate::solid::line::advance;
 use crate::solid::medium::Medium;
 use crate::solid::reconstruction::GHOSTS;
@@ -110,7 +112,19 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             Some(self.with_boundary_values(line, values))
         };
         let strain = history(SolidField::VolumetricStrain);
-        let excess = [0, 1, 2].map(|i| history(SolidField::ExcessStress(i, i)));
+        let excess = |components: &[[usize; 2]]| -> Vec<Vec<T>> {
+            let component = |&[i, j]: &[usize; 2]| history(SolidField::ExcessStress(i, j));
+            components.iter().filter_map(component).collect()
+        };
+        let normal = excess(&[[0, 0], [1, 1], [2, 2]]);
+        let shear = excess(&[[0, 1], [0, 2], [1, 2]]);
+        let invariants = |cell: usize| {
+            let squares = shear.iter().map(|own| own[cell] * own[cell]);
+            ExcessInvariants::new(
+                [normal[0][cell], normal[1][cell], normal[2][cell]],
+                squares.fold(T::ZERO, |sum, square| sum + square),
+            )
+        };
         // Constants along rows already have the factors of the layer.
         let factors: Vec<T> = match line.axis + 1 == D {
             true => {
@@ -121,14 +135,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let beside = |upper: usize| FaceContacts {
             porosity_factors: [factors[upper - 1], factors[upper]],
             volumetric_strain: strain.as_ref().map(|own| [own[upper - 1], own[upper]]),
-            excess: excess
-                .each_ref()
-                .map(Option::as_ref)
-                .into_iter()
-                .collect::<Option<Vec<_>>>()
-                .map(|own| {
-                    [upper - 1, upper].map(|cell| own[0][cell] + own[1][cell] + own[2][cell])
-                }),
+            excess: self.problem.separates().then(|| [upper - 1, upper].map(invariants)),
         };
         let mut pairs = self.problem.media[0].pairs[line.axis].iter();
         let longitudinal = pairs.position(|pair| pair.is_longitudinal()).unwrap_or(0);
@@ -140,26 +147,24 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             axis => &self.contact_faces[axis],
         };
         let solve = |upper: usize| {
-            let stencil = |own: &LineFields<T>| {
-                let states = std::array::from_fn(|i| State {
+            let contacts = std::array::from_fn(|i| &constants[media[upper - 2 + i]]);
+            let states = |own: &LineFields<T>| {
+                std::array::from_fn(|i| State {
                     velocity: own.velocity[upper - 2 + i],
                     stress: own.stress[upper - 2 + i],
-                });
-                (states, std::array::from_fn(|i| own.cells[upper - 2 + i]))
+                })
             };
-            let contacts = std::array::from_fn(|i| &constants[media[upper - 2 + i]]);
-            let (states, cells): (_, [_; 4]) = stencil(&line_fields[longitudinal]);
-            let face = FaceStencil { states, cells: cells.each_ref(), contacts };
-            let (solution, is_open) = face.solve_longitudinal(&beside(upper), slopes);
-            let pair_solution = |pair: usize| {
-                if pair == longitudinal {
-                    return solution;
-                }
-                let (states, cells): (_, [_; 4]) = stencil(&line_fields[pair]);
-                let face = FaceStencil { states, cells: cells.each_ref(), contacts };
-                face.solve_transverse(is_open, slopes)
-            };
-            (0..line_fields.len()).map(pair_solution).collect::<Vec<_>>()
+            with_pair_count!(line_fields.len(), P => {
+                let face: FaceStencil<'_, T, P> = FaceStencil {
+                    states: std::array::from_fn(|pair| states(&line_fields[pair])),
+                    cells: std::array::from_fn(|pair| {
+                        std::array::from_fn(|i| &line_fields[pair].cells[upper - 2 + i])
+                    }),
+                    contacts,
+                    longitudinal,
+                };
+                face.solve(&beside(upper), slopes).to_vec()
+            })
         };
         let solutions: Vec<Vec<[InterfaceState<T>; 2]>> =
             (GHOSTS..=GHOSTS + line.count).map(solve).collect();

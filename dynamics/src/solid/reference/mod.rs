@@ -246,7 +246,7 @@ fn create_boundary<T: Real, const D: usize>(
     let loads: Vec<&Load> = problem.loads.iter().filter(is_at_end).collect();
     let pairs = problem.media[0].pairs[axis].len();
     let groups = count.div_ceil(T::Lanes::COUNT);
-    let slopes = problem.scheme.slopes;
+    let slopes = problem.boundary_slopes();
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), !loads.is_empty(), slopes);
     for load in loads {
         let is_longitudinal = problem.media[0].pairs[axis][load.pair].is_longitudinal();

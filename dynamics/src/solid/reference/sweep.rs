@@ -11,7 +11,7 @@ use crate::solid::interface::{LineState, sweep_with_interlayers};
 use crate::solid::interlayers::with_pair_count;
 use crate::solid::line::{self, SweepAccount};
 use crate::solid::problem::Problem;
-use crate::solid::reconstruction::GHOSTS;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use models::interface::Interval;
 use models::solid::waves::SolidField;
@@ -356,7 +356,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         };
         let states = [0, 1, 2, 3].map(|i| state_at(first + i));
         let cells = [0, 1, 2, 3].map(|i| line_fields.cells[first + i]);
-        let power = line::boundary_power(states, cells, self.slopes);
+        let slopes = if self.problem.separates() { Slopes::Godunov } else { self.slopes };
+        let power = line::boundary_power(states, cells, slopes);
         if end == 0 { -power } else { power }
     }
 }

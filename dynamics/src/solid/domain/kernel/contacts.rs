@@ -8,7 +8,9 @@ use super::contact_medium::{ContactMediumSweep, LONGITUDINAL_PASSIVE};
 use super::{CarriedState, SweepLines, prefetch};
 use crate::simd::{InstructionSet, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
+use crate::solid::contact_faces::separation::ExcessInvariants;
 use crate::solid::contact_faces::{ContactConstants, FaceContacts, FaceStencil};
+use crate::solid::contact_law::TensorPlaces;
 use crate::solid::reconstruction::Slopes;
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
 
@@ -21,8 +23,8 @@ pub(crate) struct PathContacts<'a, T: Real> {
     pub(crate) group_factors: &'a [T],
     /// Offset of the volumetric strain of porous media.
     pub(crate) volumetric_strain: Option<usize>,
-    /// Offsets of the normal components of the excess stress of granular media.
-    pub(crate) excess: Option<[usize; 3]>,
+    /// Offsets of the excess stress, if any medium separates.
+    pub(crate) excess: Option<&'a TensorPlaces>,
     /// Index of the longitudinal pair of waves.
     pub(crate) longitudinal: usize,
     /// Values of the history variables in the ghosts at the lower and the upper end of rows; `None` where they are
@@ -50,7 +52,8 @@ impl<T: Real> PathContacts<'_, T> {
     /// Returns the offsets of the history variables on which faces depend.
     #[inline(always)]
     pub(crate) fn history_offsets(&self) -> impl Iterator<Item = usize> {
-        self.volumetric_strain.into_iter().chain(self.excess.into_iter().flatten())
+        let excess = self.excess.into_iter().flat_map(|own| own.normal.iter().chain(&own.shear));
+        self.volumetric_strain.into_iter().chain(excess.copied())
     }
 }
 
@@ -93,20 +96,15 @@ impl<T: Real> SweepLines<'_, T> {
             (None, Some(_)) => Some(false),
             _ => None,
         };
-        // The forms for one medium are compiled only where they matter: the baseline has the other one, with the same
-        // results.
+        // The form for one medium is compiled only where it matters: the baseline has the other one, with the same results.
+        // In granular media its results differ from those of the reference in some problems, so that it is not used there.
         match is_granular {
-            Some(true) => {
-                instructions.run_kernel_or(ContactMediumSweep::<T, true>(self), |kernel| {
-                    InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
-                });
-            }
             Some(false) => {
                 instructions.run_kernel_or(ContactMediumSweep::<T, false>(self), |kernel| {
                     InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
                 });
             }
-            None => instructions.run_kernel(ContactSweep(self)),
+            Some(true) | None => instructions.run_kernel(ContactSweep(self)),
         }
     }
 
@@ -260,28 +258,25 @@ impl<T: Real> SweepLines<'_, T> {
                 ContactConstants::load(&contacts.constants[patterns[depth] as usize]);
         }
         let contact_constants = [&constants[0], &constants[1], &constants[2], &constants[3]];
-        let unsolved = InterfaceState { difference: V::ZERO, sum: V::ZERO };
-        let mut solutions = [[unsolved; 2]; P];
-        let cells = self.load_cells::<V>(patterns, &self.waves[contacts.longitudinal]);
-        let stencil = FaceStencil {
-            states: windows[contacts.longitudinal].states,
-            cells: [&cells[0], &cells[1], &cells[2], &cells[3]],
-            contacts: contact_constants,
-        };
-        let (longitudinal, is_open) = stencil.solve_longitudinal(beside, slopes);
-        solutions[contacts.longitudinal] = longitudinal;
+        let mut cells = [self.load_cells::<V>(patterns, &self.waves[0]); P];
+        let mut states = [windows[0].states; P];
+        for pair in 1..P {
+            cells[pair] = self.load_cells::<V>(patterns, &self.waves[pair]);
+            states[pair] = windows[pair].states;
+        }
+        let mut cell_references = [[&cells[0][0]; 4]; P];
         for pair in 0..P {
-            if pair != contacts.longitudinal {
-                let cells = self.load_cells::<V>(patterns, &self.waves[pair]);
-                let stencil = FaceStencil {
-                    states: windows[pair].states,
-                    cells: [&cells[0], &cells[1], &cells[2], &cells[3]],
-                    contacts: contact_constants,
-                };
-                solutions[pair] = stencil.solve_transverse(is_open, slopes);
+            for depth in 0..4 {
+                cell_references[pair][depth] = &cells[pair][depth];
             }
         }
-        solutions
+        let stencil = FaceStencil {
+            states,
+            cells: cell_references,
+            contacts: contact_constants,
+            longitudinal: contacts.longitudinal,
+        };
+        stencil.solve(beside, slopes)
     }
 
     #[inline(always)]
@@ -316,10 +311,9 @@ impl<T: Real> SweepLines<'_, T> {
             let before = beside.volumetric_strain.unwrap_or([V::ZERO; 2]);
             beside.volumetric_strain = Some([before[1], V::load(&group[place])]);
         }
-        if let Some([a, b, c]) = contacts.excess {
-            let excess = V::load(&group[a]) + V::load(&group[b]) + V::load(&group[c]);
-            let before = beside.excess.unwrap_or([V::ZERO; 2]);
-            beside.excess = Some([before[1], excess]);
+        if let Some(places) = contacts.excess {
+            let before = beside.excess.unwrap_or([ExcessInvariants::ZERO; 2]);
+            beside.excess = Some([before[1], load_excess::<T, V>(group, places)]);
         }
     }
 
@@ -328,4 +322,19 @@ impl<T: Real> SweepLines<'_, T> {
         let group = &self.field_data[start..];
         State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
     }
+}
+
+/// Loads the invariants of the excess stress of a group.
+#[inline(always)]
+pub(super) fn load_excess<T: Real, V: Vector<T>>(
+    group: &[T::Lanes],
+    places: &TensorPlaces,
+) -> ExcessInvariants<V> {
+    let [a, b, c] = places.normal;
+    let mut squares = V::ZERO;
+    for &place in &places.shear {
+        let shear: V = V::load(&group[place]);
+        squares = squares + shear * shear;
+    }
+    ExcessInvariants::new([V::load(&group[a]), V::load(&group[b]), V::load(&group[c])], squares)
 }

@@ -1,0 +1,225 @@
+//! Examples and exit codes below the help text of each command.
+
+use clap::Command;
+
+/// Meaning of the exit codes, below the help text of the program.
+const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "done"),
+    (1, "done, but a check disagrees or a file is damaged"),
+    (2, "cannot be carried out: arguments, case, files, memory"),
+    (3, "a run stopped because of its state; the last valid state is saved"),
+    (130, "interrupted; a run has written a checkpoint (wellposed resume DIR)"),
+];
+
+/// Meaning of exit code 130 for commands without checkpoints.
+const INTERRUPTED: &str = "interrupted before all results were written";
+
+/// Examples of the program: command line and meaning.
+const PROGRAM_EXAMPLES: [(&str, &str); 5] = [
+    ("wellposed map noncoaxiality-bound", "map of a bundled case: out/noncoaxiality-bound/map.png"),
+    ("wellposed cases", "list of the bundled cases"),
+    ("wellposed new harris-grekova", "a commented case to start from: harris-grekova.toml"),
+    ("wellposed point harris-grekova.toml --set background.pressure=500", "one state of this case"),
+    ("wellposed run lamb-2d --dry-run", "size, time, memory and files of a run"),
+];
+
+/// Help of a command: its name, examples, and exit codes.
+struct CommandHelp {
+    name: &'static str,
+    examples: &'static [(&'static str, &'static str)],
+    exit_codes: &'static [u8],
+}
+
+/// Help of all commands.
+const COMMANDS: [CommandHelp; 18] = [
+    CommandHelp {
+        name: "map",
+        examples: &[
+            ("wellposed map noncoaxiality-bound", "the map of a bundled case"),
+            (
+                "wellposed map noncoaxiality-bound --set map.x.points=41 --out coarse",
+                "fewer points",
+            ),
+            (
+                "wellposed map noncoaxiality-bound --growth-rate --dry-run",
+                "time and files, no results",
+            ),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "point",
+        examples: &[
+            ("wellposed point noncoaxiality-bound", "the state of a bundled case"),
+            (
+                "wellposed point noncoaxiality-bound --set background.pressure=500",
+                "another pressure",
+            ),
+            ("wellposed point flutter --format json", "the results as JSON"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "dispersion",
+        examples: &[
+            ("wellposed dispersion forbidden-band", "frequencies and speeds of a solid"),
+            ("wellposed dispersion pulse-breaking", "Bloch waves of a blocky medium"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "diagram",
+        examples: &[
+            ("wellposed diagram creep", "strain under constant stress"),
+            ("wellposed new rheology scheme.toml", "a commented scheme to start from"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "homogenise",
+        examples: &[
+            ("wellposed homogenise pulse-breaking", "writes pulse-breaking-continuum.toml"),
+            (
+                "wellposed homogenise pulse-breaking --out continuum.toml --cells-per-block 2",
+                "a finer grid",
+            ),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "speeds",
+        examples: &[
+            ("wellposed speeds flutter", "speeds in the plane, elastic and yielding"),
+            ("wellposed speeds shear-band", "speeds over the sphere of directions"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "shocks",
+        examples: &[
+            ("wellposed shocks foam-collapse", "waves in foam behind a piston"),
+            ("wellposed shocks sand-spall", "spall of sand at a free end"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "run",
+        examples: &[
+            ("wellposed run lamb-2d --dry-run", "size, time, memory and files"),
+            (
+                "wellposed run lamb-2d --threads 2 --checkpoint-every 60",
+                "a checkpoint every minute",
+            ),
+            ("wellposed run lamb-2d --set time.duration=0.1 --out short", "a shorter run"),
+        ],
+        exit_codes: &[0, 2, 3, 130],
+    },
+    CommandHelp {
+        name: "check",
+        examples: &[
+            ("wellposed check forbidden-band", "all waves of a case"),
+            ("wellposed check forbidden-band --disagreeing", "only those that disagree"),
+            ("wellposed check .", "all cases in this folder and below, briefly"),
+        ],
+        exit_codes: &[0, 1, 2, 130],
+    },
+    CommandHelp {
+        name: "compare",
+        examples: &[(
+            "wellposed compare out/comparison-breaking out/comparison-continuum",
+            "after wellposed run of both cases",
+        )],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "resume",
+        examples: &[(
+            "wellposed resume out/lamb-2d",
+            "after wellposed run lamb-2d was interrupted",
+        )],
+        exit_codes: &[0, 2, 3, 130],
+    },
+    CommandHelp {
+        name: "plot",
+        examples: &[(
+            "wellposed plot out/lamb-2d",
+            "after output.picture in out/lamb-2d/case.toml was changed",
+        )],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "verify",
+        examples: &[("wellposed verify out/lamb-2d", "the results of wellposed run lamb-2d")],
+        exit_codes: &[0, 1, 2],
+    },
+    CommandHelp {
+        name: "cases",
+        examples: &[
+            ("wellposed cases", "names and titles"),
+            ("wellposed cases show lamb-2d", "the text of a case"),
+            ("wellposed cases --copy mine", "all cases as files in the folder mine"),
+        ],
+        exit_codes: &[0, 2],
+    },
+    CommandHelp {
+        name: "models",
+        examples: &[
+            ("wellposed models", "names, equations, references"),
+            ("wellposed models --format json", "the same for programs"),
+        ],
+        exit_codes: &[0, 2],
+    },
+    CommandHelp {
+        name: "new",
+        examples: &[
+            ("wellposed new harris-grekova", "writes harris-grekova.toml"),
+            ("wellposed new cosserat --yield interlayer layers.toml", "a solid with a yield set"),
+            ("wellposed new classical --run pulse.toml", "for wellposed run"),
+        ],
+        exit_codes: &[0, 2],
+    },
+    CommandHelp {
+        name: "schema",
+        examples: &[
+            ("wellposed schema", "JSON Schema, for completion in editors"),
+            ("wellposed schema --markdown", "all keys with units, ranges and defaults"),
+        ],
+        exit_codes: &[0, 2],
+    },
+    CommandHelp {
+        name: "completions",
+        examples: &[("wellposed completions bash", "source its output in ~/.bashrc")],
+        exit_codes: &[0, 2],
+    },
+];
+
+/// Adds examples and exit codes to the help texts of the program and of its commands.
+pub fn add_examples(command: Command) -> Command {
+    let all = EXIT_CODES.map(|(code, _)| code);
+    let text = format!(
+        "{}\n\nwellposed COMMAND --help lists the arguments of a command.",
+        format_help(&PROGRAM_EXAMPLES, &all)
+    );
+    command.after_help(text).mut_subcommands(|own| {
+        match COMMANDS.iter().find(|help| help.name == own.get_name()) {
+            Some(help) => own.after_help(format_help(help.examples, help.exit_codes)),
+            None => own,
+        }
+    })
+}
+
+/// Formats the examples, aligned if they fit, and the exit codes.
+fn format_help(examples: &[(&str, &str)], exit_codes: &[u8]) -> String {
+    let width = examples.iter().map(|(line, _)| line.len()).max().unwrap_or(0);
+    let mut text = "Examples:".to_owned();
+    for (line, meaning) in examples {
+        text += &format!("\n  {line:width$}  {meaning}");
+    }
+    text += "\n\nExit codes:";
+    let has_checkpoints = exit_codes.contains(&3);
+    for (code, meaning) in EXIT_CODES.iter().filter(|(code, _)| exit_codes.contains(code)) {
+        let meaning = if *code == 130 && !has_checkpoints { INTERRUPTED } else { meaning };
+        text += &format!("\n  {code:<3}  {meaning}");
+    }
+    text
+}

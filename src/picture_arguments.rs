@@ -1,0 +1,112 @@
+//! Arguments of all verbs that draw pictures.
+
+use clap::Args;
+use figures::{FigureFormat, FigureOptions, FigureSize};
+use wellposed::report::PictureOptions;
+
+/// Which pictures are drawn, and how.
+#[derive(Args)]
+#[command(next_help_heading = "Pictures")]
+pub(crate) struct PictureArguments {
+    /// File formats of the pictures: png, svg, pdf, separated by commas; or none, without animations
+    #[arg(long = "pictures", value_name = "FORMATS", default_value = "png,svg", value_parser = parse_formats)]
+    formats: PictureFormats,
+    /// Size of the pictures, e.g. 1200x800 in pixels or 170x120mm [default: 1600 pixels wide]; text is scaled with the
+    /// picture
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<FigureSize>,
+    /// Resolution of PNG pictures, dots per inch [default: 200, with a size in mm 300]
+    #[arg(long, value_name = "N", value_parser = parse_dpi)]
+    dpi: Option<f64>,
+    /// Draw no title and subtitle
+    #[arg(long = "no-title")]
+    has_no_title: bool,
+}
+
+/// File formats named by an argument; empty for `none`.
+#[derive(Clone)]
+struct PictureFormats(Vec<FigureFormat>);
+
+impl From<PictureArguments> for PictureOptions {
+    fn from(arguments: PictureArguments) -> Self {
+        let PictureArguments { formats, size, dpi, has_no_title } = arguments;
+        let figure = FigureOptions { size, dpi, has_heading: !has_no_title };
+        Self { formats: formats.0, figure }
+    }
+}
+
+fn parse_formats(text: &str) -> Result<PictureFormats, String> {
+    let mut formats = Vec::new();
+    if text == "none" {
+        return Ok(PictureFormats(formats));
+    }
+    for name in text.split(',') {
+        let known = [FigureFormat::Png, FigureFormat::Svg, FigureFormat::Pdf];
+        let format = known.into_iter().find(|format| format.extension() == name);
+        let format = format
+            .ok_or_else(|| format!("'{name}' is not a format: expected png, svg, pdf, or none"))?;
+        if !formats.contains(&format) {
+            formats.push(format);
+        }
+    }
+    Ok(PictureFormats(formats))
+}
+
+/// Parses a width and a height: pixels from 100 to 10000, or with the suffix `mm` millimetres from 10 to 2000.
+fn parse_size(text: &str) -> Result<FigureSize, String> {
+    let problem = "expected a width and a height, such as 1200x800 in pixels (100 to 10000) or 170x120mm (10 to 2000)";
+    let (numbers, is_in_mm) = match text.strip_suffix("mm") {
+        Some(numbers) => (numbers, true),
+        None => (text.strip_suffix("px").unwrap_or(text), false),
+    };
+    let size = numbers.split_once('x').and_then(|(width, height)| {
+        if is_in_mm {
+            let parse = |text: &str| {
+                text.parse().ok().filter(|length: &f64| (10.0..=2000.0).contains(length))
+            };
+            return Some(FigureSize::Millimetres([parse(width)?, parse(height)?]));
+        }
+        let parse =
+            |text: &str| text.parse().ok().filter(|length: &u32| (100..=10000).contains(length));
+        Some(FigureSize::Pixels([parse(width)?, parse(height)?]))
+    });
+    size.ok_or_else(|| problem.to_owned())
+}
+
+fn parse_dpi(text: &str) -> Result<f64, String> {
+    let dpi = text.parse().ok().filter(|dpi: &f64| (20.0..=1200.0).contains(dpi));
+    dpi.ok_or_else(|| "expected a number from 20 to 1200".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_named_once_or_not_at_all() {
+        let names = |text: &str| {
+            let formats = parse_formats(text).map(|formats| formats.0);
+            formats.map(|list| list.iter().map(|own| own.extension()).collect::<Vec<_>>())
+        };
+        assert_eq!(names("pdf,png,pdf").unwrap(), ["pdf", "png"]);
+        assert!(names("none").unwrap().is_empty());
+        for wrong in ["", "gif", "png,", "none,png", "PNG"] {
+            assert!(names(wrong).unwrap_err().contains("expected png, svg, pdf"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_in_pixels_or_millimetres() {
+        for text in ["1200x800", "1200x800px"] {
+            assert_eq!(parse_size(text).unwrap(), FigureSize::Pixels([1200, 800]));
+        }
+        assert_eq!(parse_size("85.5x60mm").unwrap(), FigureSize::Millimetres([85.5, 60.0]));
+        for wrong in
+            ["1200", "0x100", "1200.5x800", "85x60cm", "x", "1e9x1e9mm", "NaNx60mm", "-1x5"]
+        {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(parse_dpi("300"), Ok(300.0));
+        assert!(parse_dpi("inf").is_err() && parse_dpi("0").is_err());
+    }
+}

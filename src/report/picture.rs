@@ -1,0 +1,77 @@
+//! Pictures of a report, and the options with which they are drawn.
+
+use crate::Error;
+use figures::{FigureError, FigureFormat, FigureOptions, FigureOutput};
+
+/// Function that draws a picture.
+type DrawFunction = Box<dyn Fn(FigureOutput) -> Result<Vec<u8>, FigureError>>;
+
+/// Picture of a report.
+pub struct ReportPicture {
+    /// Name of the picture's files without extension.
+    file_stem: &'static str,
+    draw_function: DrawFunction,
+}
+
+impl ReportPicture {
+    /// Creates a picture with the file name `stem` from the drawing method of a figure.
+    pub fn new(
+        stem: &'static str,
+        draw: impl Fn(FigureOutput) -> Result<Vec<u8>, FigureError> + 'static,
+    ) -> Self {
+        Self { file_stem: stem, draw_function: Box::new(draw) }
+    }
+
+    /// Returns the name of the picture's files without extension.
+    pub fn file_stem(&self) -> &'static str {
+        self.file_stem
+    }
+}
+
+/// File formats, size and heading of the pictures that a verb draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// File formats, each drawn once; none for no pictures and no animation.
+    pub formats: Vec<FigureFormat>,
+    /// Size and heading of all pictures; animations do not follow them.
+    pub figure: FigureOptions,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self {
+            formats: vec![FigureFormat::Png, FigureFormat::Svg],
+            figure: FigureOptions::default(),
+        }
+    }
+}
+
+impl PictureOptions {
+    /// Returns options with which nothing is drawn.
+    pub fn no_pictures() -> Self {
+        Self { formats: Vec::new(), ..Self::default() }
+    }
+
+    /// Iterates over the names of the files of a picture with the file name `stem`.
+    pub fn file_names(&self, stem: &str) -> impl Iterator<Item = String> {
+        self.formats.iter().map(move |format| format!("{stem}.{}", format.extension()))
+    }
+}
+
+/// Draws pictures and passes the files to `put` by name.
+///
+/// # Errors
+/// A picture cannot be drawn, or `put` fails.
+pub fn draw_pictures<E: From<Error>>(
+    pictures: &[ReportPicture],
+    options: &PictureOptions,
+    mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
+) -> Result<(), E> {
+    for ReportPicture { file_stem: stem, draw_function: draw } in pictures {
+        for (format, name) in options.formats.iter().zip(options.file_names(stem)) {
+            let output = FigureOutput { format: *format, options: options.figure };
+            put(&name, &draw(output).map_err(Error::from)?)?;
+        }
+    }
+    Ok(())
+}
