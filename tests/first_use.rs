@@ -1,4 +1,4 @@
-//! What a new user tries first: help, lists, dry runs; and what is left of a command that fails.
+//! First use of the program: help, lists of models and cases, dry runs; files and folders left by commands that fail.
 
 use crate::{program, wrong_inputs};
 

@@ -11,7 +11,7 @@ use std::io::Write;
 /// Selects the results folder of a verb. A dry run only warns of results that the verb would refuse to overwrite.
 ///
 /// # Errors
-/// The folder cannot be written, or the verb may not overwrite what it holds.
+/// The folder cannot be written, or the verb may not overwrite the results in it.
 pub(super) fn select_folder(case: &Case, options: &Options) -> Result<ResultFolder, OutputError> {
     let (out, force) = (options.output_folder.as_deref(), options.force);
     let folder = ResultFolder::from_case(case, out, force)?;

@@ -80,7 +80,7 @@ impl Picture {
         [self.width, self.height].map(f64::from)
     }
 
-    /// Returns the picture without its headings; what is below a heading moves up.
+    /// Returns the picture without its headings; the shapes below a heading are moved upwards by its height.
     pub(super) fn without_headings(&self) -> Self {
         let removed: f64 = self.headings.iter().map(|heading| heading.height).sum();
         let mut picture = Self::new(self.width, (f64::from(self.height) - removed).ceil() as u32);

@@ -9,11 +9,11 @@
 //! `StencilState` holds the cells that a reconstruction reads (the stencil). Groups that are needed soon are prefetched
 //! into L1; rows and layers that are needed later are prefetched into L2. `sweep` and `schedule` set the distances.
 
-mod contact_medium;
 pub(crate) mod contacts;
 mod field_offsets;
 mod interlayer_law;
 pub(crate) mod interlayers;
+mod porous_medium;
 
 use super::layout::GroupIndex;
 use super::material_table::{MaterialTable, WavePair};

@@ -4,7 +4,7 @@
 
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
-use super::contact_medium::{ContactMediumSweep, LONGITUDINAL_PASSIVE};
+use super::porous_medium::{LONGITUDINAL_PASSIVE, PorousMediumSweep};
 use super::{CarriedState, SweepLines, prefetch};
 use crate::simd::{InstructionSet, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
@@ -89,22 +89,19 @@ impl<T: Real> SweepLines<'_, T> {
             let is_longitudinal = pair == contacts.longitudinal;
             wave.passive_stresses.len() == if is_longitudinal { LONGITUDINAL_PASSIVE } else { 0 }
         });
-        let is_granular = match (contacts.excess, contacts.volumetric_strain) {
-            _ if !self.table.has_single_pattern() || self.slopes != Slopes::Limited => None,
-            _ if !has_classical_pairs => None,
-            (Some(_), None) => Some(true),
-            (None, Some(_)) => Some(false),
-            _ => None,
-        };
-        // The form for one medium is compiled only where it matters: the baseline has the other one, with the same results.
-        // In granular media its results differ from those of the reference in some problems, so that it is not used there.
-        match is_granular {
-            Some(false) => {
-                instructions.run_kernel_or(ContactMediumSweep::<T, false>(self), |kernel| {
-                    InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
-                });
-            }
-            Some(true) | None => instructions.run_kernel(ContactSweep(self)),
+        let is_porous = contacts.excess.is_none() && contacts.volumetric_strain.is_some();
+        if is_porous
+            && has_classical_pairs
+            && self.table.has_single_pattern()
+            && self.slopes == Slopes::Limited
+        {
+            // The form for one medium is compiled only where it matters: the baseline has the other one, with the same
+            // results.
+            instructions.run_kernel_or(PorousMediumSweep(self), |kernel| {
+                InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
+            });
+        } else {
+            instructions.run_kernel(ContactSweep(self));
         }
     }
 
