@@ -51,7 +51,7 @@ const FILES: [(&str, &str); 13] = [
 ];
 
 /// Arguments, and parts of the message: place or argument, what was found, what is allowed.
-const WRONG_INPUTS: [(&str, &[&str]); 89] = [
+const WRONG_INPUTS: [(&str, &[&str]); 90] = [
     // Files.
     ("point syntax.toml", &["syntax.toml:2: ", "'kind ='", "write 'key = value'"]),
     ("point twice.toml", &["twice.toml:3: ", "duplicate key", "give each key once"]),
@@ -306,6 +306,13 @@ const WRONG_INPUTS: [(&str, &[&str]); 89] = [
     (
         "check forbidden-band --set check.numbers=[]",
         &["check.numbers: found an empty list; ", "expected a list of positive numbers in 1/m"],
+    ),
+    (
+        "point heat --set model.parameters.kapa=1",
+        &[
+            "model.parameters.kapa: used by no equation; ",
+            "did you mean 'model.parameters.kappa'? allowed: model.parameters.kappa",
+        ],
     ),
     // Verbs that a case does not suit.
     (

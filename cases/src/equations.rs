@@ -122,6 +122,7 @@ impl EquationsCase {
                 target: SlotTarget::Parameter(index),
             })
             .collect();
+        refuse_unused_options(&model, &slots, &positions)?;
         let mut numbers = CaseNumbers { equation_numbers: values, ..CaseNumbers::default() };
         let mut solved = Vec::new();
         if let Some(background) = root.open_section(&BACKGROUND_SCHEMA)? {
@@ -451,6 +452,29 @@ fn read_parameters(section: &SectionReader) -> Result<(Vec<Quantity>, Vec<f64>),
         quantities.push(Quantity { name: name.to_owned(), unit });
     }
     Ok((quantities, values))
+}
+
+/// Refuses options that set a parameter which no equation uses, such as one with a mistyped name.
+fn refuse_unused_options(
+    model: &TextModel,
+    slots: &[NumberSlot],
+    positions: &KeyPositions,
+) -> Result<(), CaseError> {
+    let unused = model.unused_parameters();
+    let is_used = |slot: &&NumberSlot| !unused.contains(&slot.label);
+    match slots.iter().find(|slot| !is_used(slot) && positions.has_option(&slot.key)) {
+        Some(slot) => {
+            let names: Vec<&str> =
+                slots.iter().filter(is_used).map(|own| own.key.as_str()).collect();
+            let near = find_similar_name(&slot.key, names.iter().copied());
+            let allowed = match names.is_empty() {
+                true => "leave it out: no equation has a parameter".to_owned(),
+                false => format!("{}allowed: {}", format_suggestion(near), names.join(", ")),
+            };
+            Err(positions.key_error(&slot.key, "used by no equation", allowed))
+        }
+        None => Ok(()),
+    }
 }
 
 fn read_wave(

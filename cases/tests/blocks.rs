@@ -291,7 +291,7 @@ fn blocks_that_do_not_tile_are_refused() {
     for (second, messages) in [
         (
             "[[block]]\ncells = [4, 4]\nspacing = 0.5\norigin = [2.5, 0]\n",
-            ["block[0]", "no block at [2.0, 0.0], in a gap of 1 cells along x1"],
+            ["block[0]", "no block at [2, 0], in a gap of 1 cell along x1"],
         ),
         (
             "[[block]]\ncells = [4, 4]\nspacing = 0.5\norigin = [1.5, 0]\n",
@@ -299,9 +299,9 @@ fn blocks_that_do_not_tile_are_refused() {
         ),
         (
             "[[block]]\ncells = [4, 3]\nspacing = 0.5\norigin = [2, 0]\n",
-            ["at [2.0, 1.5]", "gap of 4"],
+            ["at [2, 1.5]", "gap of 4"],
         ),
-        ("[[block]]\ncells = [4, 4]\nspacing = 0.5\n", ["overlaps", "at [0.0, 0.0]"]),
+        ("[[block]]\ncells = [4, 4]\nspacing = 0.5\n", ["overlaps", "at [0, 0]"]),
         (
             "[[block]]\ncells = [4, 4]\nspacing = 0.5\norigin = [2.2, 0]\n",
             ["block[1].origin: found x1 = 2.2, 4.4 cells of 0.5 m", "faces of blocks must conform"],

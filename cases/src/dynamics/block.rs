@@ -3,6 +3,7 @@
 use super::grid::{MAX_CELLS, SolidGrid};
 use super::region::to_section_table;
 use super::tiling::{PlacedBlock, TilingFault, find_contacts};
+use super::time_function::format_count;
 use crate::error::CaseError;
 use crate::kind::NO_YIELD_NAME;
 use crate::material::Material;
@@ -573,8 +574,9 @@ fn tiling_error(
         TilingFault::Gap { block, corner, length } => root.key_error(
             &key(block),
             format!(
-                "no block at {}, in a gap of {length} cells along x1 beside the block with {}",
+                "no block at {}, in a gap of {} along x1 beside the block with {}",
                 point(corner),
+                format_count(length, "cell"),
                 extent(block)
             ),
             "blocks must tile their bounding box: move or enlarge a block, or add one",

@@ -375,7 +375,7 @@ impl SolidReader<'_> {
 }
 
 /// Formats a count with its noun, e.g. `1 sample`, `2 samples`.
-fn format_count(count: usize, what: &str) -> String {
+pub(super) fn format_count(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
