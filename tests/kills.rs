@@ -35,8 +35,8 @@ const CONCURRENT_VERBS: [&str; 4] = [
     "verify out",
 ];
 
-/// Admissible messages of refused verbs: no results are written yet, or the run is finished.
-const REFUSAL_MESSAGES: [&str; 2] = ["holds no results", "the run is finished"];
+/// Admissible messages of refused verbs: the run has not created its folder, has no results yet, or is finished.
+const REFUSAL_MESSAGES: [&str; 3] = ["no such folder", "holds no results", "the run is finished"];
 
 /// Checks exit code and messages of a process.
 fn check_exit_code_and_messages(arguments: &str, child: Child, was_killed: bool) {
