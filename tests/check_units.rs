@@ -1,11 +1,9 @@
 //! Verifies that the results of `wellposed check` do not depend on the system of units.
 
-mod support;
-
+use crate::support::bundled_case;
 use rayon::prelude::*;
 use serde_json::Value;
 use std::fs;
-use support::bundled_case;
 use wellposed::Error;
 use wellposed::case::{Case, Material, ModelKind, SweepParameter};
 use wellposed::report;

@@ -1,10 +1,7 @@
 //! Tests of the program as a process: verbs, exit codes, results folders, mutated files.
 
-mod mutation;
-mod program;
-
-use mutation::{generate_mutants, shrink_map_grid};
-use program::{
+use crate::mutation::{generate_mutants, shrink_map_grid};
+use crate::program::{
     PROGRAM_PATH, SOLID_CASE, create_case_folder, create_folder, list_entries, run_with_exit_code,
 };
 use std::fs::{self, File};

@@ -1,9 +1,7 @@
 //! Tests of the comparison of two runs: blocky media against their equivalent Cosserat continuum as the blocks become small,
 //! the verb `compare`, its files and its refusals.
 
-mod program;
-
-use program::{create_case_folder, list_entries, run_with_exit_code};
+use crate::program::{create_case_folder, list_entries, run_with_exit_code};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

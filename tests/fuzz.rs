@@ -2,10 +2,9 @@
 //! with one of its exit codes, explain errors as text or as JSON, and print only finite numbers.
 #![cfg(unix)]
 
-mod mutation;
-mod program;
+use crate::mutation;
 
-use program::{PROGRAM_PATH, create_folder, send_signal};
+use crate::program::{PROGRAM_PATH, create_folder, send_signal};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;

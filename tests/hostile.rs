@@ -2,9 +2,7 @@
 //! decompression bombs, input files of a case; invalid names and titles; limits of the operating system.
 #![cfg(unix)]
 
-mod program;
-
-use program::*;
+use crate::program::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -2,9 +2,7 @@
 //! results are bit-identical, and every process succeeds or is refused with a message.
 #![cfg(unix)]
 
-mod program;
-
-use program::*;
+use crate::program::*;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -1,9 +1,7 @@
 //! Tests of limits on the time, files, bytes and memory of runs, and of Ctrl-C during long steps.
 #![cfg(unix)]
 
-mod program;
-
-use program::*;
+use crate::program::*;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -193,7 +191,7 @@ fn assert_memory_is_announced(name: &str, case: &str, settings: &str) {
 /// Verifies the announced memory against the peak memory for media and grids of many shapes: large, small, wide, thin,
 /// plates and columns.
 #[test]
-#[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
+#[ignore = "peaks depend on the pages of the system: cargo test --release --test suite limits:: -- --ignored"]
 fn peak_memory_agrees_with_announced_memory() {
     const SOLID_MODEL: &str = "
 [model]
@@ -249,7 +247,7 @@ spacing = 1
 /// Verifies the announced memory of blocky media against the peak memory, for few and many joints, with and without
 /// snapshots.
 #[test]
-#[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
+#[ignore = "peaks depend on the pages of the system: cargo test --release --test suite limits:: -- --ignored"]
 fn peak_memory_of_blocky_media_agrees_with_announced_memory() {
     let case = include_str!("../cases/blocky/pulse-breaking.toml");
     for (index, settings) in [

@@ -1,8 +1,6 @@
 //! Tests of results folders: concurrent writers, damage, and verification.
 
-mod program;
-
-use program::*;
+use crate::program::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use testkit::random::RandomNumbers;

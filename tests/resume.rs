@@ -1,8 +1,6 @@
 //! Tests of killed, interrupted and damaged runs through the program.
 
-mod program;
-
-use program::{
+use crate::program::{
     JOINT_CASE, PROGRAM_PATH, RUN_ARGUMENTS, SOLID_CASE, create_case_folder, create_command,
     interrupt_run, read_files, read_result_files, run_program, send_signal, wait_for_file,
 };

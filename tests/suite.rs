@@ -1,8 +1,9 @@
 //! Tests of the whole program and of the public library in one program, so that it is compiled and linked once.
 //!
-//! `cargo test --release --test suite run::` runs the tests of one file. Tests with an allocator, process settings or
-//! registered models of their own, and long ones, are programs of their own.
+//! `cargo test --release --test suite run::` runs the tests of one file. Tests with an
+//! allocator or registered models of their own are programs of their own.
 
+mod mutation;
 mod polyhedral_set;
 mod program;
 mod reference;
@@ -13,6 +14,8 @@ mod support;
 mod accuracy;
 #[path = "bloch.rs"]
 mod bloch;
+#[path = "case_files/main.rs"]
+mod case_files;
 #[path = "check.rs"]
 mod check;
 #[path = "check_blocks.rs"]
@@ -21,6 +24,12 @@ mod check_blocks;
 mod check_equations;
 #[path = "check_reports.rs"]
 mod check_reports;
+#[path = "check_units.rs"]
+mod check_units;
+#[path = "command_line.rs"]
+mod command_line;
+#[path = "comparison.rs"]
+mod comparison;
 #[path = "diagram.rs"]
 mod diagram;
 #[path = "dispersion.rs"]
@@ -29,6 +38,8 @@ mod dispersion;
 mod documents;
 #[path = "dry_run.rs"]
 mod dry_run;
+#[path = "dynamics_cases/main.rs"]
+mod dynamics_cases;
 #[path = "equations_in_space.rs"]
 mod equations_in_space;
 #[path = "extreme_numbers.rs"]
@@ -41,16 +52,24 @@ mod flow;
 mod flow_cases;
 #[path = "flow_run.rs"]
 mod flow_run;
+#[path = "fuzz.rs"]
+mod fuzz;
 #[path = "half_spaces.rs"]
 mod half_spaces;
 #[path = "homogenise.rs"]
 mod homogenise;
+#[path = "hostile.rs"]
+mod hostile;
 #[path = "joint_outputs.rs"]
 mod joint_outputs;
+#[path = "kills.rs"]
+mod kills;
 #[path = "layer_ends.rs"]
 mod layer_ends;
 #[path = "library.rs"]
 mod library;
+#[path = "limits.rs"]
+mod limits;
 #[path = "messages.rs"]
 mod messages;
 #[path = "normal_limits.rs"]
@@ -69,6 +88,10 @@ mod ranges;
 mod receivers;
 #[path = "references.rs"]
 mod references;
+#[path = "result_folders.rs"]
+mod result_folders;
+#[path = "resume.rs"]
+mod resume;
 #[path = "routes.rs"]
 mod routes;
 #[path = "run.rs"]
@@ -81,6 +104,8 @@ mod simulate;
 mod snapshots;
 #[path = "solids.rs"]
 mod solids;
+#[path = "units.rs"]
+mod units;
 #[path = "verbs.rs"]
 mod verbs;
 #[path = "waves_in_time.rs"]

@@ -1,9 +1,7 @@
 //! Verifies that results do not depend on the units of mass, length and time: for cases in units that differ by powers
 //! of two, verdicts are equal, and the values of runs are bit-identical after scaling.
 
-mod program;
-
-use program::{create_case_folder, run_with_exit_code};
+use crate::program::{create_case_folder, run_with_exit_code};
 use std::fs;
 use std::path::Path;
 use toml::{Table, Value};

@@ -1,7 +1,7 @@
 //! Flutter and shear bands in the plane, against closed forms, brute force and the exact polynomial.
 
-mod support;
-
+use crate::support::slipping_layer::SlippingLayer;
+use crate::support::states::{RandomNumbers, seeded_generator};
 use models::LinearisedSystem;
 use models::common::rates::RateEquations;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
@@ -13,8 +13,6 @@ use models::yield_set::parameters::{
 use models::yield_set::tangent::tangent_stiffness;
 use num_complex::Complex64;
 use std::f64::consts::PI;
-use support::slipping_layer::SlippingLayer;
-use support::states::{RandomNumbers, seeded_generator};
 use wellposed_analysis::acoustic_tensor2::AcousticTensor2;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;

@@ -1,14 +1,12 @@
 //! Verdicts against brute force in 256 bits, on equations of the models implemented independently in the tests.
 
-mod support;
-
-use rayon::prelude::*;
-use support::brute_force::{
+use crate::support::brute_force::{
     BruteForceGrowth, compute_growth_by_brute_force, find_degenerate_directions,
 };
-use support::real256::Real256;
-use support::states::{FlowSample, reference_system, sample_order_one, seeded_generator};
-use support::verdicts::{compute_verdict, verdict_label};
+use crate::support::real256::Real256;
+use crate::support::states::{FlowSample, reference_system, sample_order_one, seeded_generator};
+use crate::support::verdicts::{compute_verdict, verdict_label};
+use rayon::prelude::*;
 use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::growth::Verdict;
 

@@ -1,19 +1,17 @@
 //! Characteristics of the steady equations against Harris & Grekova (2005), eq. 70, and against
 //! the roots of the determinant in 256 bits.
 
-mod support;
-
+use crate::support::exact::{System256, solve_roots};
+use crate::support::real256::{Complex256, Real256};
+use crate::support::states::{
+    DilatancyKind, FlowSample, RandomNumbers, sample_order_one, seeded_generator,
+};
+use crate::support::verdicts::angular_distance;
 use models::flow::FlowKind;
 use models::flow::state::MaterialState;
 use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_4, PI};
-use support::exact::{System256, solve_roots};
-use support::real256::{Complex256, Real256};
-use support::states::{
-    DilatancyKind, FlowSample, RandomNumbers, sample_order_one, seeded_generator,
-};
-use support::verdicts::angular_distance;
 use wellposed_analysis::characteristics::{
     Characteristics, CharacteristicsError, EquationType, RealCharacteristic, characteristics,
 };

@@ -1,9 +1,7 @@
 //! Double-double arithmetic against 256-bit arithmetic, and 256-bit arithmetic against exact integers.
 
-mod support;
-
-use support::real256::{Complex256, Real256};
-use support::states::{RandomNumbers, seeded_generator};
+use crate::support::real256::{Complex256, Real256};
+use crate::support::states::{RandomNumbers, seeded_generator};
 use wellposed_analysis::extended_precision::{ExtendedComplex, ExtendedReal};
 
 fn to_real256(x: ExtendedReal) -> Real256 {

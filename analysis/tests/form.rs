@@ -1,11 +1,9 @@
 //! Zeros of binary forms against products of linear factors with integer coefficients.
 
-mod support;
-
+use crate::support::states::seeded_generator;
+use crate::support::verdicts::angular_distance;
 use models::Rounded;
 use std::f64::consts::PI;
-use support::states::seeded_generator;
-use support::verdicts::angular_distance;
 use wellposed_analysis::form::BinaryForm;
 
 /// The product of factors with integer coefficients; exact while below 2⁵³.

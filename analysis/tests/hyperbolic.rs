@@ -1,13 +1,11 @@
 //! Symmetric-hyperbolic systems, A symmetric positive definite and Bⁱ symmetric: Re ς is bounded by the symmetric part
 //! of C for every wave, also where speeds coincide, so no verdict may be ill-posed.
 
-mod support;
-
+use crate::support::states::{RandomNumbers, seeded_generator};
+use crate::support::system_entries::{C, DerivativeOperator, T, X, Y, build_system};
+use crate::support::verdicts::compute_verdict;
 use models::LinearisedSystem;
 use rayon::prelude::*;
-use support::states::{RandomNumbers, seeded_generator};
-use support::system_entries::{C, DerivativeOperator, T, X, Y, build_system};
-use support::verdicts::compute_verdict;
 use wellposed_analysis::growth::Verdict;
 
 fn system_from_matrices(n: usize, parts: [(DerivativeOperator, &[f64]); 3]) -> LinearisedSystem<2> {

@@ -1,18 +1,16 @@
 //! Invariance of verdicts and roots under rotated axes, superposed rotation, moving observers and other units, and
 //! symmetry under −k.
 
-mod support;
-
+use crate::support::exact::{System256, match_roots, solve_roots};
+use crate::support::real256::{Complex256, Real256};
+use crate::support::states::{
+    DilatancyKind, FlowSample, RandomNumbers, sample_order_one, seeded_generator,
+};
+use crate::support::verdicts::compute_verdict;
 use models::flow::state::MaterialState;
 use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::PI;
-use support::exact::{System256, match_roots, solve_roots};
-use support::real256::{Complex256, Real256};
-use support::states::{
-    DilatancyKind, FlowSample, RandomNumbers, sample_order_one, seeded_generator,
-};
-use support::verdicts::compute_verdict;
 use testkit::flows::{FlowParameters, SQUARE_MODEL_CASES};
 use wellposed_analysis::growth::Verdict;
 use wellposed_analysis::pencil::{Pencil, PencilRoots};

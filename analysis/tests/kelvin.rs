@@ -1,13 +1,11 @@
 //! Kelvin waves in a homogeneous flow against the frozen pencil, a closed form and Runge–Kutta integration.
 
-mod support;
-
+use crate::support::states::{RandomNumbers, seeded_generator};
 use models::LinearisedSystem;
 use models::flow::state::{DeformingFlow, MaterialState};
 use models::flow::{FlowKind, Model};
 use models::registry;
 use num_complex::Complex64;
-use support::states::{RandomNumbers, seeded_generator};
 use testkit::flows::FlowParameters;
 use wellposed_analysis::kelvin::{
     KelvinEvolution, integrate_kelvin_wave, wave_vector, wave_vector_rate,

@@ -1,7 +1,9 @@
 //! QZ algorithm: backward errors, exact eigenvalues, and faer as an independent solver.
 
-mod support;
-
+use crate::support::exact::{System256, evaluate_with_derivative, solve_roots};
+use crate::support::real256::Complex256;
+use crate::support::states::{RandomNumbers, sample_wide_range, seeded_generator};
+use crate::support::system_entries::{C, DerivativeOperator, T, X, build_system};
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::ComputeEigenvectors::No;
@@ -10,10 +12,6 @@ use faer::{Mat, Par};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use rayon::prelude::*;
-use support::exact::{System256, evaluate_with_derivative, solve_roots};
-use support::real256::Complex256;
-use support::states::{RandomNumbers, sample_wide_range, seeded_generator};
-use support::system_entries::{C, DerivativeOperator, T, X, build_system};
 use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::qz::Qz;

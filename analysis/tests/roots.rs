@@ -1,18 +1,16 @@
 //! Roots against the roots of the exact polynomial of the same doubles, expanded and solved in 256 bits by independent
 //! code.
 
-mod support;
-
+use crate::support::exact::{System256, evaluate_with_derivative, match_roots, solve_roots};
+use crate::support::real256::{Complex256, Real256};
+use crate::support::states::{
+    DilatancyKind, FlowSample, reference_system, sample_wide_range, seeded_generator,
+};
+use crate::support::system_entries::{C, T, X, Y, build_system};
 use models::registry;
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use support::exact::{System256, evaluate_with_derivative, match_roots, solve_roots};
-use support::real256::{Complex256, Real256};
-use support::states::{
-    DilatancyKind, FlowSample, reference_system, sample_wide_range, seeded_generator,
-};
-use support::system_entries::{C, T, X, Y, build_system};
 use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::extended_precision::ExtendedComplex;
 use wellposed_analysis::pencil::{Pencil, PencilRoots};

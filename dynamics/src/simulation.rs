@@ -19,7 +19,7 @@
 mod flow;
 mod regular_times;
 mod solid;
-mod solver;
+pub(crate) mod solver;
 mod time_steps;
 
 pub use flow::{FlowAccount, FlowFields, FlowSimulation};

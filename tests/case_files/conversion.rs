@@ -1,6 +1,6 @@
 //! Tests of converting a case to another kind of model.
 
-use crate::full_case::{FULL_CASE, derive_background, parse_full_case_with};
+use super::full_case::{FULL_CASE, derive_background, parse_full_case_with};
 use crate::support::parse_case;
 use models::registry;
 use wellposed::case::{Case, ModelKind};

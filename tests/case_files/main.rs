@@ -3,10 +3,6 @@
 mod conversion;
 mod full_case;
 mod fuzzing;
-#[path = "../mutation/mod.rs"]
-mod mutation;
 mod parsing;
 mod refusals;
-#[path = "../support/mod.rs"]
-mod support;
 mod templates;

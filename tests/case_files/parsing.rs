@@ -1,6 +1,6 @@
 //! Tests of parsing and writing case files: values, units, defaults, sweeps and names.
 
-use crate::full_case::{FULL_CASE, parse_full_case_with};
+use super::full_case::{FULL_CASE, parse_full_case_with};
 use crate::mutation::uncomment_optional_keys;
 use crate::support::parse_case;
 use models::registry;

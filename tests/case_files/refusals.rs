@@ -1,6 +1,6 @@
 //! Tests of error messages: location, key and remedy of refused input.
 
-use crate::full_case::{FULL_CASE, derive_background, parse_full_case_with};
+use super::full_case::{FULL_CASE, derive_background, parse_full_case_with};
 use crate::support::parse_case;
 use models::registry;
 use wellposed::case::{Case, ModelKind, SweepParameter};

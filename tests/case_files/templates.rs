@@ -1,6 +1,6 @@
 //! Templates of `new` and bundled cases: complete, valid and commented.
 
-use crate::full_case::derive_background;
+use super::full_case::derive_background;
 use crate::mutation::uncomment_optional_keys;
 use crate::support::parse_case;
 use models::registry;

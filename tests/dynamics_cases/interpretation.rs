@@ -1,7 +1,7 @@
 //! Tests of the interpretation of templates, shapes, time functions and names.
 
-use super::support::{parse_case, replace_first};
 use super::{PLANE_CASE, SPATIAL_CASE, parse_solid_run};
+use crate::support::{parse_case, replace_first};
 use models::registry;
 use models::solid::parameters::Theory;
 use wellposed::case::dynamics::{RegionShape, StateComponent, TimeFunction};

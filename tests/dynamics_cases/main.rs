@@ -3,10 +3,8 @@
 mod interpretation;
 mod parsing;
 mod refusals;
-#[path = "../support/mod.rs"]
-mod support;
 
-use support::parse_case;
+use crate::support::parse_case;
 use wellposed::case::dynamics::SolidRun;
 
 /// Plane-strain case with every section of a run except `[[block]]`, `[[joint]]` and `[check]`; tests refer to its line

@@ -1,7 +1,7 @@
 //! Tests of parsing time-domain sections in all notations.
 
-use super::support::{parse_case, parse_case_with, replace_first};
 use super::{PLANE_CASE, SPATIAL_CASE, parse_solid_run};
+use crate::support::{parse_case, parse_case_with, replace_first};
 use models::registry;
 use models::solid::parameters::Isotropic;
 use wellposed::case::dynamics::{

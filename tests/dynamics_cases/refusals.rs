@@ -1,7 +1,7 @@
 //! Tests of refused time-domain sections and their messages.
 
-use super::support::{parse_case, parse_case_with, replace_first};
 use super::{PLANE_CASE, SPATIAL_CASE};
+use crate::support::{parse_case, parse_case_with, replace_first};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::ModelKind;
 use wellposed::setup;

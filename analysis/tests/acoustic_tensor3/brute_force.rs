@@ -1,7 +1,7 @@
 //! The search and all speeds of a direction against eigenvalues by nalgebra.
 
-use crate::directions::{fibonacci_directions, maximise_by_pattern_search};
-use crate::random_solids::{
+use super::directions::{fibonacci_directions, maximise_by_pattern_search};
+use super::random_solids::{
     random_anisotropic, random_cosserat_mises, random_isotropic, random_stress, rank_one_update,
     search_extremes,
 };

@@ -1,6 +1,6 @@
 //! The starting points of the search cover all directions.
 
-use crate::random_solids::random_isotropic;
+use super::random_solids::random_isotropic;
 use crate::support::states::seeded_generator;
 use nalgebra::Vector3;
 use wellposed_analysis::acoustic_tensor3::AcousticTensor3;

@@ -1,7 +1,7 @@
 //! Flutter: absent for associated flow; small caps of flutter are found in every orientation.
 
-use crate::directions::{fibonacci_directions, maximise_by_pattern_search};
-use crate::random_solids::{
+use super::directions::{fibonacci_directions, maximise_by_pattern_search};
+use super::random_solids::{
     Tensor, random_anisotropic, random_cosserat_mises, random_isotropic, random_rotation,
     random_stress, random_tensor, rank_one_update, rotate_tensor, search_extremes,
 };

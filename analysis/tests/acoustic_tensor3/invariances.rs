@@ -1,6 +1,6 @@
 //! Invariance under rotations, threads and workspaces.
 
-use crate::random_solids::{
+use super::random_solids::{
     Tensor, random_anisotropic, random_isotropic, random_rotation, random_stress, rank_one_update,
     rotate_tensor, search_extremes,
 };

@@ -9,5 +9,3 @@ mod invariances;
 mod random_solids;
 mod shear_bands;
 mod special_cases;
-#[path = "../support/mod.rs"]
-mod support;

@@ -1,6 +1,6 @@
 //! Shear bands against Rudnicki & Rice's closed form.
 
-use crate::random_solids::{random_rotation, rank_one_update, rotate_tensor, search_extremes};
+use super::random_solids::{random_rotation, rank_one_update, rotate_tensor, search_extremes};
 use crate::support::states::seeded_generator;
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;

@@ -1,6 +1,6 @@
 //! Tests of rejected input, and of spins without couple stress.
 
-use crate::random_solids::{random_isotropic, search_extremes};
+use super::random_solids::{random_isotropic, search_extremes};
 use crate::support::states::seeded_generator;
 use models::common::rounding::Rounded;
 use models::solid::parameters::{Isotropic, Microrotation};

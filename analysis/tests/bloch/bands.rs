@@ -1,6 +1,6 @@
 //! Bloch waves with decay rate and polarisation, joints from laws of layers, plane waves of the equivalent continuum.
 
-use crate::media::build_medium;
+use super::media::build_medium;
 use models::interface::parameters::{LayerMaterial, MassDistribution, ViscousConstants};
 use std::f64::consts::PI;
 use wellposed_analysis::bloch::bands::{

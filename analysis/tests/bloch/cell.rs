@@ -1,7 +1,7 @@
 //! Cells of blocks: symmetries, chains, finite elements, rigid blocks, long waves, band structure.
 
-use crate::finite_elements;
-use crate::media::{THICKNESSES, build_medium, build_single_block_chain};
+use super::finite_elements;
+use super::media::{THICKNESSES, build_medium, build_single_block_chain};
 use models::interface::homogenised::BlockMaterial;
 use models::interface::opening_line::LayerMass;
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Chains of blocks and layers: published frequencies, closed forms, limits, and a scan of complex transfer matrices.
 
-use crate::media::{THICKNESSES, build_medium, build_single_block_chain, random_chain_elements};
+use super::media::{THICKNESSES, build_medium, build_single_block_chain, random_chain_elements};
 use models::interface::opening_line::LayerMass;
 use nalgebra::Matrix2;
 use num_complex::Complex64;

@@ -1,6 +1,6 @@
 //! Damped modes of cells with viscous joints: chains, limits of the retardation time, stability.
 
-use crate::media::build_medium;
+use super::media::build_medium;
 use models::interface::opening_line::LayerMass;
 use num_complex::Complex64;
 use wellposed_analysis::bloch::BlochError;

@@ -1,6 +1,6 @@
 //! Discrete chain: eigenvalues of the update matrix of blocks at Courant number 1 with the layer laws of the models.
 
-use crate::media::{THICKNESSES, build_medium};
+use super::media::{THICKNESSES, build_medium};
 use models::interface::RiemannData;
 use models::interface::elastic::ElasticComponent;
 use models::interface::opening_line::{LayerMass, OpeningLine};
@@ -212,7 +212,7 @@ fn modes_of_the_scheme_oscillate_at_the_frequency_of_the_chain() {
 fn polarisations_differ() {
     let medium = build_medium(1e-3);
     let speeds = [ChainPolarisation::Longitudinal, ChainPolarisation::Transverse]
-        .map(|p| crate::media::build_single_block_chain(&medium, false, p).long_wave_speed());
+        .map(|p| super::media::build_single_block_chain(&medium, false, p).long_wave_speed());
     // One direction of layers only: ρ′δ/h once.
     for (speed, (stiffness, modulus)) in
         speeds.into_iter().zip(medium.layer_stiffness().into_iter().zip([6.75e10, 2.43e10]))

@@ -1,7 +1,7 @@
 //! Verdicts on states whose gradients balance, so that the acceleration is zero.
 
-use crate::backgrounds::{ALL_FLAGS, Inside, Outside, ROTATIONAL_STRESS, sample_harris_grekova};
-use crate::brute_force::describe_difference;
+use super::backgrounds::{ALL_FLAGS, Inside, Outside, ROTATIONAL_STRESS, sample_harris_grekova};
+use super::brute_force::describe_difference;
 use crate::support::exact::System256;
 use crate::support::real256::Real256;
 use crate::support::states::{

@@ -1,6 +1,6 @@
 //! Verdicts with dilatancy against brute force in 256 bits.
 
-use crate::backgrounds::{
+use super::backgrounds::{
     ALL_FLAGS, BackgroundFlags, Inside, NoncoaxialityZone, Outside, Reversed, UNIFORM,
     expected_verdict, sample_harris_grekova,
 };

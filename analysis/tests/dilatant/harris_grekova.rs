@@ -1,6 +1,6 @@
 //! Verdicts on the dilatant Harris–Grekova model on both sides of its bounds on the non-coaxiality Δ.
 
-use crate::backgrounds::{
+use super::backgrounds::{
     ALL_FLAGS, BackgroundFlags, Inside, Outside, ROTATIONAL_STRESS, Reversed,
     STRESS_ANGLE_GRADIENT, UNIFORM, expected_verdict, sample_harris_grekova,
 };

@@ -1,7 +1,7 @@
 //! Leading coefficient (that of the highest power of ς) of the dispersion polynomial: its real zeros appear and vanish
 //! at the bounds on the non-coaxiality.
 
-use crate::backgrounds::{ALL_FLAGS, Inside, Outside, Reversed, UNIFORM, sample_harris_grekova};
+use super::backgrounds::{ALL_FLAGS, Inside, Outside, Reversed, UNIFORM, sample_harris_grekova};
 use crate::support::exact::DispersionReference;
 use crate::support::maximise::maximise_over_half_turn;
 use crate::support::real256::Real256;

@@ -7,5 +7,3 @@ mod brute_force;
 mod harris_grekova;
 mod leading_coefficient;
 mod potential_and_double_shearing;
-#[path = "../support/mod.rs"]
-mod support;

@@ -1,6 +1,6 @@
 //! Verdicts on the plastic potential and on double shearing with dilatancy.
 
-use crate::backgrounds::{ACCELERATING_FLAGS, ALL_FLAGS, UNIFORM, restrict_background};
+use super::backgrounds::{ACCELERATING_FLAGS, ALL_FLAGS, UNIFORM, restrict_background};
 use crate::support::states::{
     DilatancyKind, FlowSample, sample_order_one, sample_wide_range, seeded_generator,
 };

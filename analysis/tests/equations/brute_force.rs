@@ -1,6 +1,6 @@
 //! Verdicts on the bundled cases against brute force in 256 bits to k = 1e8, in the scaled unit of the equations.
 
-use crate::linearised::Assessed;
+use super::linearised::Assessed;
 use crate::support::brute_force::{compute_growth_by_brute_force, find_degenerate_directions};
 use crate::support::exact::{DispersionReference, solve_roots};
 use crate::support::real256::Real256;
@@ -185,7 +185,7 @@ fn verdicts_agree_with_brute_force() {
 }
 
 #[test]
-#[ignore = "some minutes: cargo test --release -p wellposed-analysis --test equations brute -- --ignored"]
+#[ignore = "some minutes: cargo test --release -p wellposed-analysis --test analysis equations::brute -- --ignored"]
 fn verdicts_agree_with_brute_force_in_many_planes() {
     confirm(usize::MAX, 40, 180, true);
 }

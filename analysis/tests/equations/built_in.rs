@@ -1,6 +1,6 @@
 //! The built-in flow models and plane solids typed in as text, compared on random states.
 
-use crate::linearised::model_text;
+use super::linearised::model_text;
 use crate::support::states::{DilatancyKind, sample_order_one, seeded_generator};
 use crate::support::typed_flows::type_in;
 use models::LinearisedSystem;

@@ -1,6 +1,6 @@
 //! Published answers: verdict, order, coefficient and direction of each bundled case, over ranges of its numbers.
 
-use crate::linearised::{Assessed, assert_close};
+use super::linearised::{Assessed, assert_close};
 use crate::support::states::seeded_generator;
 
 /// Parameters of the μ(I) law of the bundled case.

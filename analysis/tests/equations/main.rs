@@ -5,5 +5,3 @@ mod built_in;
 mod forms;
 mod known_answers;
 mod linearised;
-#[path = "../support/mod.rs"]
-mod support;

@@ -1,6 +1,6 @@
 //! Speeds of the waves in closed form, and their conditions of existence.
 
-use crate::media::{FOAM_YIELD_STRESS, aluminium_foam, assert_close, diagram, strong_foam};
+use super::media::{FOAM_YIELD_STRESS, aluminium_foam, assert_close, diagram, strong_foam};
 use models::porous::PorousParameters;
 use wellposed_analysis::plane_shocks::{
     PistonLoad, PistonSolution, Wave, WaveKind, find_solitary_threshold,

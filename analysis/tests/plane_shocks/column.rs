@@ -1,6 +1,6 @@
 //! Granular columns: compaction of a loosened column, spall at a free end.
 
-use crate::media::{assert_close, sand};
+use super::media::{assert_close, sand};
 use wellposed_analysis::plane_shocks::column::{CompactionShock, PulseShape, Spall};
 use wellposed_analysis::plane_shocks::{PistonLoad, PistonSolution, WaveKind};
 

@@ -1,6 +1,6 @@
 //! Jump conditions, admissibility, and conservation of mass, momentum and energy of whole profiles.
 
-use crate::media::{
+use super::media::{
     FOAM_YIELD_STRESS, aluminium_foam, assert_close, diagram, random_diagram, sand, strong_foam,
 };
 use models::granular_medium::{GranularMedium, GranularParameters};

@@ -1,7 +1,7 @@
 //! Release waves and overtaking.
 
-use crate::media::{FOAM_YIELD_STRESS, aluminium_foam, assert_close};
-use crate::scheme::Scheme;
+use super::media::{FOAM_YIELD_STRESS, aluminium_foam, assert_close};
+use super::scheme::Scheme;
 use models::porous::{PorousMedium, PorousParameters};
 use wellposed_analysis::plane_shocks::{PistonLoad, PistonSolution, Release};
 

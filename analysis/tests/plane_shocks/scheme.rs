@@ -1,7 +1,7 @@
 //! Exact profiles against a first-order scheme that knows neither waves nor the majorant: Rusanov fluxes of the system
 //! ρv̇ + ∂ₓp = 0, ε̇ + ∂ₓv = 0 with one speed for all faces, which converges to the limit of vanishing viscosity.
 
-use crate::media::{FOAM_YIELD_STRESS, aluminium_foam, diagram, random_diagram, sand, strong_foam};
+use super::media::{FOAM_YIELD_STRESS, aluminium_foam, diagram, random_diagram, sand, strong_foam};
 use models::uniaxial::UniaxialDiagram;
 use testkit::random::RandomNumbers;
 use wellposed_analysis::plane_shocks::{PistonLoad, PistonSolution};

@@ -1,6 +1,6 @@
 //! Verdicts on random small systems against brute force.
 
-use crate::known_systems::SystemEntries;
+use super::known_systems::SystemEntries;
 use crate::support::brute_force::{compute_growth_by_brute_force, find_degenerate_directions};
 use crate::support::exact::{DispersionReference, System256};
 use crate::support::states::seeded_generator;
@@ -49,7 +49,7 @@ fn small_integer_systems_agree_with_brute_force() {
 }
 
 #[test]
-#[ignore = "some minutes: cargo test --release -p wellposed-analysis --test verdict many -- --ignored"]
+#[ignore = "some minutes: cargo test --release -p wellposed-analysis --test analysis verdict::brute_force::many -- --ignored"]
 fn many_small_systems_agree_with_brute_force() {
     assert_agreement_with_brute_force(false, 500);
     assert_agreement_with_brute_force(true, 500);

@@ -1,6 +1,6 @@
 //! Verdicts of systems whose growth is known by construction.
 
-use crate::known_systems::{ExpectedVerdict, known_systems};
+use super::known_systems::{ExpectedVerdict, known_systems};
 use crate::support::states::seeded_generator;
 use crate::support::system_entries::{C, T, X, Y, build_system};
 use crate::support::verdicts::{angular_distance, compute_verdict, expect_growth};

@@ -5,5 +5,3 @@ mod closed_forms;
 mod known_systems;
 mod known_verdicts;
 mod singular_pencils;
-#[path = "../support/mod.rs"]
-mod support;

@@ -1,6 +1,6 @@
 //! Singular pencils and singular matrices A, densely filled.
 
-use crate::known_systems::SystemEntries;
+use super::known_systems::SystemEntries;
 use crate::support::exact::System256;
 use crate::support::states::seeded_generator;
 use crate::support::system_entries::{C, DerivativeOperator, T, X, Y, build_system};

@@ -12,8 +12,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use wellposed_analysis::waves::{DirectionalWaves, squared_speeds};
 
-use crate::random_solids::{THEORIES, random_solid, random_solid_of_order_one, random_unit_vector};
-use crate::yielding::{
+use super::random_solids::{THEORIES, random_solid, random_solid_of_order_one, random_unit_vector};
+use super::yielding::{
     equations_with_out_of_plane_stresses, growth_and_bound, random_mises_condition,
     random_stress_on_yield_surface, reverse_time, tangent_basis,
 };

@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 use wellposed_analysis::waves::{DirectionalWaves, roots};
 
-use crate::random_solids::random_solid_of_order_one;
-use crate::yielding::random_yielding_equations;
+use super::random_solids::random_solid_of_order_one;
+use super::yielding::random_yielding_equations;
 
 /// Verifies that no wave has a frequency in a band gap and that waves come close to its ends, for shear waves of
 /// random positive stiffnesses.

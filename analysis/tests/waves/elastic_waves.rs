@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 use wellposed_analysis::waves::{DirectionalWaves, Polarisation, squared_speeds};
 
-use crate::random_solids::{THEORIES, random_solid, random_unit_vector};
+use super::random_solids::{THEORIES, random_solid, random_unit_vector};
 
 /// Squared characteristic speeds of an isotropic solid in closed form, descending.
 fn expected_squared_speeds(solid: &Isotropic, dimensions: usize) -> Vec<f64> {

@@ -5,7 +5,7 @@ use crate::support::states::seeded_generator;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use wellposed_analysis::energy::measure_energy_conservation;
 
-use crate::random_solids::{THEORIES, random_solid_of_order_one};
+use super::random_solids::{THEORIES, random_solid_of_order_one};
 
 /// Verifies that the symmetriser confirms energy conservation of valid solids and detects deliberate errors.
 #[test]

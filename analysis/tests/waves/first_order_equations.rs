@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 use wellposed_analysis::pencil::{Pencil, PencilRoots};
 use wellposed_analysis::waves::{DirectionalWaves, plane_waves, roots};
 
-use crate::random_solids::{THEORIES, random_solid, random_solid_of_order_one};
-use crate::yielding::{random_stress_on_yield_surface, tangent_basis};
+use super::random_solids::{THEORIES, random_solid, random_solid_of_order_one};
+use super::yielding::{random_stress_on_yield_surface, tangent_basis};
 
 /// Verifies plane waves against the roots of the first-order equations by generalised eigenvalues.
 #[test]

@@ -8,6 +8,4 @@ mod energy;
 mod first_order_equations;
 mod flutter;
 mod random_solids;
-#[path = "../support/mod.rs"]
-mod support;
 mod yielding;

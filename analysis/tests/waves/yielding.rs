@@ -10,7 +10,7 @@ use models::yield_set::tangent::tangent_stiffness;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use crate::random_solids::random_solid_of_order_one;
+use super::random_solids::random_solid_of_order_one;
 
 /// Random stress on the yield surface, by scaling from zero; with `corners` half of the stresses lie on an edge of the
 /// interlayer set.

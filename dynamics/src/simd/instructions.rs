@@ -51,19 +51,21 @@ impl InstructionSet {
         }
     }
 
-    /// Runs a kernel with this instruction set, or `baseline` if the set is the baseline or the processor does not have
-    /// it; the kernel is not compiled for the baseline.
+    /// Runs a kernel with this instruction set, or a slower form with the same results, `compact`, if the set is the
+    /// baseline of x86-64 or the processor does not have it. Nearly all x86-64 processors have AVX2; the baseline is not
+    /// worth the time to compile the fast forms.
     pub(crate) fn run_kernel_or<T: Real, K: SimdKernel<T>>(
         self,
         kernel: K,
-        baseline: impl FnOnce(K),
+        compact: impl FnOnce(K),
     ) {
         match self {
             // SAFETY: the processor has AVX2, as `is_available` has checked.
             Self::Avx2 if self.is_available() => unsafe { T::run_avx2(kernel) },
             // SAFETY: the processor has AVX-512F, DQ and VL, as `is_available` has checked.
             Self::Avx512 if self.is_available() => unsafe { T::run_avx512(kernel) },
-            _ => baseline(kernel),
+            _ if cfg!(target_arch = "x86_64") => compact(kernel),
+            _ => kernel.run::<T::Lanes>(),
         }
     }
 }

@@ -156,7 +156,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         let mut watched: Vec<usize> = probes.iter().flat_map(Probe::cells).collect();
         watched.sort_unstable();
         watched.dedup();
-        let solver = choice.build_solver(&problem)?;
+        let solver = T::build_solver(choice, &problem)?;
         let threads = choice.thread_count::<T, D>(&problem);
         let account = SolidAccount {
             time: 0.0,

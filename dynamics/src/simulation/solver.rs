@@ -33,7 +33,7 @@ impl SolverChoice {
     }
 
     /// Creates the solver of a problem, at rest.
-    pub(super) fn build_solver<T: SolverReal, const D: usize>(
+    pub(crate) fn build_solver<T: SolverReal, const D: usize>(
         self,
         problem: &Problem<D>,
     ) -> Result<Box<dyn SolidSolver<T>>, DomainError> {
@@ -48,7 +48,7 @@ impl SolverChoice {
 }
 
 /// Interface of both solvers, which have methods of the same names.
-pub(super) trait SolidSolver<T: Real>: Send {
+pub(crate) trait SolidSolver<T: Real>: Send {
     /// Advances all fields by `steps` time steps.
     fn advance(&mut self, steps: usize) -> Result<(), ThreadStartError>;
     /// Time of the present state, s.

@@ -172,6 +172,14 @@ impl<T: Real> ContactConstants<T> {
 }
 
 impl<V: Number> ContactConstants<V> {
+    /// Whether the media of all lanes separate at faces.
+    pub(crate) fn separates<T: Real>(&self) -> bool
+    where
+        V: LaneGroup<T>,
+    {
+        self.friction.lanes().iter().all(|friction| *friction < T::from_f64(NO_LIMIT))
+    }
+
     /// Estimates the greatest strain that the jumps of the longitudinal pair at the face between two cells can cause
     /// during the sweep.
     #[inline(always)]

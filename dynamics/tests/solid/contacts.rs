@@ -216,6 +216,29 @@ fn fused_solver_equals_the_reference_in_single_precision() {
     compare_problems::<f32, 3>((3_000_000, 4), FLUSHED_MAGNITUDES[1], random_problem);
 }
 
+/// Verifies that a medium which does not separate, and fills the grid, is not swept like the sand that is also among the
+/// media of the problem.
+#[test]
+fn fused_solver_equals_the_reference_where_the_sand_of_a_problem_is_absent() {
+    fn problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
+        let sand = granular(0.5, None, D);
+        let medium = match random.is_one_in(2) {
+            true => porous_cone(1.2, 0.0, None, D),
+            false => Medium::new(classical(0.8), D),
+        };
+        let grid = Grid { cells: std::array::from_fn(|axis| [20, 5, 2][axis]), spacing: [0.1; D] };
+        let step = 0.16 / medium.max_speed().max(sand.max_speed());
+        let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
+        let scheme = Scheme {
+            splitting: Splitting::TwoCyclic,
+            ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping)
+        };
+        Problem::new(grid, vec![medium, sand], vec![0; grid.count()], boundaries, step, scheme)
+    }
+    compare_problems::<f64, 2>((4_000_000, 2), FLUSHED_MAGNITUDES[0], problem);
+    compare_problems::<f32, 3>((5_000_000, 2), FLUSHED_MAGNITUDES[1], problem);
+}
+
 /// Runs a problem with random initial velocities and no loads; returns the energies after each step, relative to that at
 /// the start, and the greatest normal stress, relative to the greatest magnitude of a stress.
 fn run_random_pulses<const D: usize>(

@@ -9,11 +9,11 @@
 //! `StencilState` holds the cells that a reconstruction reads (the stencil). Groups that are needed soon are prefetched
 //! into L1; rows and layers that are needed later are prefetched into L2. `sweep` and `schedule` set the distances.
 
+mod contact_medium;
 pub(crate) mod contacts;
 mod field_offsets;
 mod interlayer_law;
 pub(crate) mod interlayers;
-mod porous_medium;
 
 use super::layout::GroupIndex;
 use super::material_table::{MaterialTable, WavePair};
@@ -198,7 +198,11 @@ impl<T: Real> SweepLines<'_, T> {
             let (sweep, lines) = (&mut self, start..end);
             match pattern {
                 Some(pattern) => {
-                    instructions.run_kernel(SweepKernel::<T, UNIFORM> { sweep, lines, pattern })
+                    let kernel = SweepKernel::<T, UNIFORM> { sweep, lines, pattern };
+                    instructions.run_kernel_or(kernel, |SweepKernel { sweep, lines, .. }| {
+                        let general = SweepKernel::<T, MIXED> { sweep, lines, pattern: 0 };
+                        InstructionSet::Baseline.run_kernel(general);
+                    });
                 }
                 None => {
                     instructions.run_kernel(SweepKernel::<T, MIXED> { sweep, lines, pattern: 0 })

@@ -1,15 +1,18 @@
-//! Expensive functions of a domain, compiled in this crate once for each number type and dimension, and not again in
-//! every crate that uses a domain.
+//! Expensive functions of the solvers, compiled in this crate once for each number type and dimension, and not again in
+//! every crate that uses a solver.
 
 use super::Domain;
 use super::plastic::ProjectionKernel;
 use super::step::StepStages;
 use crate::simd::{InstructionSet, Real};
+use crate::simulation::solver::{SolidSolver, SolverChoice};
 use crate::solid::ledger::EnergySums;
+use crate::solid::problem::{DomainError, Problem};
+use crate::solid::reference::Reference;
 use std::any::Any;
 use std::ops::Range;
 
-/// Number type of a [`Domain`]: `f32` or `f64`.
+/// Number type of the solvers: `f32` or `f64`.
 #[allow(private_interfaces, reason = "nobody else implements or calls it")]
 pub trait SolverReal: Real {
     /// Advances layers of a `Domain<Self, 2>` or a `Domain<Self, 3>` by a step.
@@ -28,6 +31,17 @@ pub trait SolverReal: Real {
     /// Runs the kernel of the return mapping by projection.
     #[doc(hidden)]
     fn map_stresses(work: ProjectionKernel<'_, Self>, instructions: InstructionSet);
+
+    /// Advances a `Reference<Self, 2>` or a `Reference<Self, 3>` by a step.
+    #[doc(hidden)]
+    fn advance_reference(reference: &mut dyn Any);
+
+    /// Creates the solver of a `Problem<2>` or a `Problem<3>`, at rest.
+    #[doc(hidden)]
+    fn build_solver(
+        choice: SolverChoice,
+        problem: &dyn Any,
+    ) -> Result<Box<dyn SolidSolver<Self>>, DomainError>;
 }
 
 macro_rules! compiled {
@@ -66,6 +80,29 @@ macro_rules! compiled {
             #[inline(never)]
             fn map_stresses(work: ProjectionKernel<'_, Self>, instructions: InstructionSet) {
                 instructions.run_kernel::<Self>(work);
+            }
+
+            #[inline(never)]
+            fn advance_reference(reference: &mut dyn Any) {
+                if let Some(reference) = reference.downcast_mut::<Reference<Self, 2>>() {
+                    reference.advance_step();
+                } else if let Some(reference) = reference.downcast_mut::<Reference<Self, 3>>() {
+                    reference.advance_step();
+                }
+            }
+
+            #[inline(never)]
+            fn build_solver(
+                choice: SolverChoice,
+                problem: &dyn Any,
+            ) -> Result<Box<dyn SolidSolver<Self>>, DomainError> {
+                if let Some(problem) = problem.downcast_ref::<Problem<2>>() {
+                    choice.build_solver(problem)
+                } else if let Some(problem) = problem.downcast_ref::<Problem<3>>() {
+                    choice.build_solver(problem)
+                } else {
+                    Err(DomainError::Media)
+                }
             }
         }
     };

@@ -9,19 +9,24 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Advances all fields by `steps` time steps.
     pub fn advance(&mut self, steps: usize) {
         for _ in 0..steps {
-            let start = self.steps as f64 * self.problem.step;
-            let end = (self.steps + 1) as f64 * self.problem.step;
-            match self.problem.scheme.is_alternating() {
-                true => self.advance_alternating(start, end),
-                false => self.advance_two_cyclic(start, end),
-            }
-            self.steps += 1;
-            self.flush_subnormals();
-            if !self.problem.scheme.is_alternating() {
-                self.accumulate_integrals(1.0);
-            }
-            self.record_watched_cells();
+            T::advance_reference(self);
         }
+    }
+
+    /// Advances all fields by a time step.
+    pub(in crate::solid) fn advance_step(&mut self) {
+        let start = self.steps as f64 * self.problem.step;
+        let end = (self.steps + 1) as f64 * self.problem.step;
+        match self.problem.scheme.is_alternating() {
+            true => self.advance_alternating(start, end),
+            false => self.advance_two_cyclic(start, end),
+        }
+        self.steps += 1;
+        self.flush_subnormals();
+        if !self.problem.scheme.is_alternating() {
+            self.accumulate_integrals(1.0);
+        }
+        self.record_watched_cells();
     }
 
     /// Advances by a two-cyclic step: U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes

@@ -4,7 +4,7 @@
 
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
-use super::porous_medium::{LONGITUDINAL_PASSIVE, PorousMediumSweep};
+use super::contact_medium::{ContactMediumSweep, LONGITUDINAL_PASSIVE};
 use super::{CarriedState, SweepLines, prefetch};
 use crate::simd::{InstructionSet, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
@@ -89,19 +89,28 @@ impl<T: Real> SweepLines<'_, T> {
             let is_longitudinal = pair == contacts.longitudinal;
             wave.passive_stresses.len() == if is_longitudinal { LONGITUDINAL_PASSIVE } else { 0 }
         });
-        let is_porous = contacts.excess.is_none() && contacts.volumetric_strain.is_some();
-        if is_porous
-            && has_classical_pairs
+        let has_one_medium = has_classical_pairs
             && self.table.has_single_pattern()
-            && self.slopes == Slopes::Limited
-        {
-            // The form for one medium is compiled only where it matters: the baseline has the other one, with the same
-            // results.
-            instructions.run_kernel_or(PorousMediumSweep(self), |kernel| {
-                InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
-            });
-        } else {
-            instructions.run_kernel(ContactSweep(self));
+            && self.slopes == Slopes::Limited;
+        // Groups of media that do not separate also have an excess stress if other media of the problem separate.
+        let is_granular = match (contacts.excess, contacts.volumetric_strain) {
+            _ if !has_one_medium => None,
+            (Some(_), None) if contacts.constants[0].separates::<T>() => Some(true),
+            (None, Some(_)) => Some(false),
+            _ => None,
+        };
+        match is_granular {
+            Some(true) => {
+                instructions.run_kernel_or(ContactMediumSweep::<T, true>(self), |kernel| {
+                    InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
+                });
+            }
+            Some(false) => {
+                instructions.run_kernel_or(ContactMediumSweep::<T, false>(self), |kernel| {
+                    InstructionSet::Baseline.run_kernel(ContactSweep(kernel.0));
+                });
+            }
+            None => instructions.run_kernel(ContactSweep(self)),
         }
     }
 
@@ -315,7 +324,7 @@ impl<T: Real> SweepLines<'_, T> {
     }
 
     #[inline(always)]
-    fn load_pair<V: Vector<T>>(&self, start: usize, wave: &WavePair) -> State<V> {
+    pub(super) fn load_pair<V: Vector<T>>(&self, start: usize, wave: &WavePair) -> State<V> {
         let group = &self.field_data[start..];
         State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
     }
