@@ -58,7 +58,7 @@ fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage,
     let values = found.fields.get("shear_rate").ok_or("a flow has a shear rate")?;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let [length, _] = found.box_lengths.ok_or("a flow has a box")?;
-    let axis = |index| FieldAxis { label: format!("x{index}, m"), start: 0.0, end: length };
+    let axis = |index| FieldAxis { label: format!("x{index} (m)"), start: 0.0, end: length };
     let figure = FieldFigure {
         title: format!("{title} ({verdict}), {points} × {points} points"),
         subtitle: format!(

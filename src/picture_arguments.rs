@@ -1,7 +1,7 @@
 //! Arguments of all verbs that draw pictures.
 
 use clap::Args;
-use figures::{FigureFormat, FigureOptions, FigureSize};
+use figures::{AnimationFormat, FigureFormat, FigureOptions, FigureSize};
 use wellposed::report::PictureOptions;
 
 /// Which pictures are drawn, and how.
@@ -11,8 +11,11 @@ pub(crate) struct PictureArguments {
     /// File formats of the pictures: png, svg, pdf, separated by commas; or none, without animations
     #[arg(long = "pictures", value_name = "FORMATS", default_value = "png,svg", value_parser = parse_formats)]
     formats: PictureFormats,
+    /// File formats of animations of snapshots: gif, apng, separated by commas; or none
+    #[arg(long, value_name = "FORMATS", default_value = "gif", value_parser = parse_animations)]
+    animations: AnimationFormats,
     /// Size of the pictures, e.g. 1200x800 in pixels or 170x120mm [default: 1600 pixels wide]; text is scaled with the
-    /// picture
+    /// picture, but not below 6 points in pictures of runs
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<FigureSize>,
     /// Resolution of PNG pictures, dots per inch [default: 200, with a size in mm 300]
@@ -23,33 +26,52 @@ pub(crate) struct PictureArguments {
     has_no_title: bool,
 }
 
-/// File formats named by an argument; empty for `none`.
+/// File formats of pictures named by an argument; empty for `none`.
 #[derive(Clone)]
 struct PictureFormats(Vec<FigureFormat>);
 
+/// File formats of animations named by an argument; empty for `none`.
+#[derive(Clone)]
+struct AnimationFormats(Vec<AnimationFormat>);
+
 impl From<PictureArguments> for PictureOptions {
     fn from(arguments: PictureArguments) -> Self {
-        let PictureArguments { formats, size, dpi, has_no_title } = arguments;
-        let figure = FigureOptions { size, dpi, has_heading: !has_no_title };
-        Self { formats: formats.0, figure }
+        let PictureArguments { formats, animations, size, dpi, has_no_title } = arguments;
+        let figure =
+            FigureOptions { size, dpi, has_heading: !has_no_title, ..FigureOptions::default() };
+        Self { formats: formats.0, figure, animations: animations.0 }
     }
 }
 
 fn parse_formats(text: &str) -> Result<PictureFormats, String> {
+    let known = [FigureFormat::Png, FigureFormat::Svg, FigureFormat::Pdf];
+    parse_list(text, &known.map(|format| (format.extension(), format))).map(PictureFormats)
+}
+
+fn parse_animations(text: &str) -> Result<AnimationFormats, String> {
+    let known = [AnimationFormat::Gif, AnimationFormat::Apng];
+    parse_list(text, &known.map(|format| (format.extension(), format))).map(AnimationFormats)
+}
+
+/// Parses names of formats separated by commas; `none` gives an empty list.
+fn parse_list<F: Copy + PartialEq>(text: &str, known: &[(&str, F)]) -> Result<Vec<F>, String> {
     let mut formats = Vec::new();
     if text == "none" {
-        return Ok(PictureFormats(formats));
+        return Ok(formats);
     }
     for name in text.split(',') {
-        let known = [FigureFormat::Png, FigureFormat::Svg, FigureFormat::Pdf];
-        let format = known.into_iter().find(|format| format.extension() == name);
-        let format = format
-            .ok_or_else(|| format!("'{name}' is not a format: expected png, svg, pdf, or none"))?;
-        if !formats.contains(&format) {
-            formats.push(format);
+        let Some((_, format)) = known.iter().find(|own| own.0 == name) else {
+            let names: Vec<&str> = known.iter().map(|own| own.0).collect();
+            return Err(format!(
+                "'{name}' is not a format: expected {}, or none",
+                names.join(", ")
+            ));
+        };
+        if !formats.contains(format) {
+            formats.push(*format);
         }
     }
-    Ok(PictureFormats(formats))
+    Ok(formats)
 }
 
 /// Parses a width and a height: pixels from 100 to 10000, or with the suffix `mm` millimetres from 10 to 2000.
@@ -93,6 +115,11 @@ mod tests {
         for wrong in ["", "gif", "png,", "none,png", "PNG"] {
             assert!(names(wrong).unwrap_err().contains("expected png, svg, pdf"), "{wrong}");
         }
+        let animations = |text: &str| parse_animations(text).map(|formats| formats.0);
+        let both = [AnimationFormat::Apng, AnimationFormat::Gif];
+        assert_eq!(animations("apng,gif,apng").unwrap(), both);
+        assert!(animations("none").unwrap().is_empty());
+        assert!(animations("mp4").unwrap_err().contains("expected gif, apng, or none"));
     }
 
     #[test]

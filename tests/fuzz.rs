@@ -66,6 +66,8 @@ const OPTIONS: &[&str] = &[
     "--pictures none",
     "--pictures pdf",
     "--pictures gif",
+    "--animations apng",
+    "--animations png",
     "--size 300x200",
     "--size 60x40mm",
     "--size 0x0",

@@ -70,10 +70,14 @@ mod layer_ends;
 mod library;
 #[path = "limits.rs"]
 mod limits;
+#[path = "log_maps.rs"]
+mod log_maps;
 #[path = "messages.rs"]
 mod messages;
 #[path = "normal_limits.rs"]
 mod normal_limits;
+#[path = "picture_layout.rs"]
+mod picture_layout;
 #[path = "pictures.rs"]
 mod pictures;
 #[path = "point_loads.rs"]

@@ -12,7 +12,7 @@ pub(crate) use keys::EQUATIONS_KIND;
 use crate::error::CaseError;
 use crate::key_positions::KeyPositions;
 use crate::keys::SweepParameter;
-use crate::map::{MapAxes, ParameterSweep};
+use crate::map::{MapAxes, ParameterSweep, SweepSpacing};
 use crate::node::{Node, NodeTable, format_segment};
 use crate::numbers::CaseNumbers;
 use crate::schema::TableSchema;
@@ -148,6 +148,9 @@ impl EquationsCase {
             let parameter: String = table.read_required("parameter")?;
             let (from, to) = (table.read_required("from")?, table.read_required("to")?);
             let points = table.read_required("points")?;
+            let spacing = table
+                .read_optional_choice("spacing", SweepSpacing::ALL, SweepSpacing::name)?
+                .unwrap_or_default();
             let parameter = self.find_sweep_parameter(&parameter).ok_or_else(|| {
                 let names = self.sweep_names();
                 let near = find_similar_name(&parameter, names.iter().map(String::as_str));
@@ -156,7 +159,8 @@ impl EquationsCase {
                 table.key_error("parameter", found, allowed)
             })?;
             table.finish()?;
-            Ok(ParameterSweep { parameter, first_value: from, last_value: to, point_count: points })
+            let [first_value, last_value] = [from, to];
+            Ok(ParameterSweep { parameter, first_value, last_value, point_count: points, spacing })
         };
         let map = MapAxes { x: axis("x")?, y: axis("y")? };
         section.finish()?;
@@ -179,6 +183,12 @@ impl EquationsCase {
     /// [`CaseNumbers::equation_numbers`].
     pub(crate) fn sweep_keys(&self) -> impl Iterator<Item = &str> {
         self.slots.iter().map(|slot| slot.key.as_str())
+    }
+
+    /// Iterates over the parameters and the numbers of the background: key in the case file, name for axes and unit, in
+    /// the order of their values in [`CaseNumbers::equation_numbers`].
+    pub fn number_names(&self) -> impl Iterator<Item = [&str; 3]> {
+        self.slots.iter().map(|slot| [&slot.key, &slot.label, &slot.unit].map(String::as_str))
     }
 
     fn find_sweep_parameter(&self, name: &str) -> Option<SweepParameter> {

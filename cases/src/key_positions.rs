@@ -128,7 +128,7 @@ impl KeyPositions {
 
     /// Returns the position of an axis of `[map]`: the option that set one of its values, else its line.
     pub(super) fn locate_axis(&self, axis: &str) -> SourcePosition {
-        let set = ["from", "to", "parameter", "points"]
+        let set = ["from", "to", "parameter", "points", "spacing"]
             .iter()
             .find_map(|name| self.position_table.options.get(&format!("{axis}.{name}")));
         set.map_or_else(|| self.locate(axis), |text| SourcePosition::Option(text.clone()))

@@ -13,6 +13,7 @@ pub use key::{Key, Presence};
 pub use table::keys;
 
 use super::kind::ModelKind;
+use super::map::SweepSpacing;
 use super::numbers::CaseNumbers;
 use super::value::CaseValue;
 use models::common::parameter::Parameter;
@@ -42,6 +43,9 @@ impl Key {
             }
             "map.x.parameter" | "map.y.parameter" => {
                 SweepParameter::all_parameters().map(SweepParameter::name).collect()
+            }
+            "map.x.spacing" | "map.y.spacing" => {
+                SweepSpacing::ALL.iter().map(|own| own.name().to_owned()).collect()
             }
             _ => return None,
         })

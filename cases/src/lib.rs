@@ -59,7 +59,7 @@ pub use former_names::CaseHint;
 pub use json_schema::generate_json_schema;
 pub use keys::{Key, Presence, SweepParameter, keys};
 pub use kind::{MediumKind, ModelKind, SolidKind, YieldSetError, YieldSetKind, join_names};
-pub use map::{MAX_MAP_POINTS, MapAxes, ParameterSweep};
+pub use map::{MAX_MAP_POINTS, MapAxes, ParameterSweep, SweepSpacing};
 pub use material::Material;
 pub use numbers::{BackgroundNumbers, CaseNumbers, ConstantValues, StressNumbers, WaveNumbers};
 pub use periodic_blocks::{PeriodicBlocks, SquareBlocks};

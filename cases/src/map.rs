@@ -5,10 +5,12 @@ use super::error::{CaseError, escape};
 use super::key_positions::KeyPositions;
 use super::keys::{Key, SweepParameter};
 use super::kind::MediumKind;
+use super::named_enum::named_enum;
 use super::numbers::CaseNumbers;
 use super::scalar_keys::wave_number_error;
 use super::value::{CaseValue, find_similar_name, format_suggestion};
 use models::common::decimal::{format_distinct, format_exact};
+use models::common::elementary::Elementary;
 
 /// Maximum number of points of a map.
 pub const MAX_MAP_POINTS: usize = 100_000_000;
@@ -22,6 +24,16 @@ pub struct MapAxes {
     pub y: ParameterSweep,
 }
 
+named_enum! {
+    /// Spacing of the values along an axis of a map.
+    SweepSpacing {
+        /// Equal differences.
+        Linear = "linear",
+        /// Equal ratios, between positive ends.
+        Log = "log"
+    }
+}
+
 /// Sweep of one parameter along an axis of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterSweep {
@@ -33,13 +45,16 @@ pub struct ParameterSweep {
     pub last_value: f64,
     /// Number of values; at least 1. Neighbouring values differ.
     pub point_count: usize,
+    /// Spacing of the values; the ends are positive if it is logarithmic.
+    pub spacing: SweepSpacing,
 }
 
 impl ParameterSweep {
     /// Computes the value with the number `index` < `point_count`; the values are evenly spaced from `first_value` to
-    /// `last_value`.
+    /// `last_value`, on a logarithmic axis their logarithms.
     ///
-    /// The only division is the last operation, so that whole numbers between two whole-number ends are exact.
+    /// The only division is the last operation, so that whole numbers between two whole-number ends are exact, and
+    /// powers of ten between two powers of ten on a logarithmic axis.
     pub fn sweep_value(&self, index: usize) -> f64 {
         self.value_at(index as f64)
     }
@@ -51,6 +66,13 @@ impl ParameterSweep {
             return self.first_value;
         }
         let (last, index) = ((self.point_count - 1) as f64, position);
+        if self.spacing == SweepSpacing::Log {
+            if index == last {
+                return self.last_value;
+            }
+            let [from, to] = [self.first_value, self.last_value].map(Elementary::cr_log10);
+            return 10_f64.cr_powf((from * (last - index) + to * index) / last);
+        }
         let value = (self.first_value * (last - index) + self.last_value * index) / last;
         if value.is_finite() {
             value
@@ -66,7 +88,11 @@ impl std::fmt::Display for ParameterSweep {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (name, points) = (CaseValue::Text(self.parameter.name()), self.point_count);
         let (from, to) = (CaseValue::Number(self.first_value), CaseValue::Number(self.last_value));
-        write!(formatter, "{{ parameter = {name}, from = {from}, to = {to}, points = {points} }}")
+        write!(formatter, "{{ parameter = {name}, from = {from}, to = {to}, points = {points}")?;
+        match self.spacing {
+            SweepSpacing::Linear => formatter.write_str(" }"),
+            SweepSpacing::Log => write!(formatter, ", spacing = \"{}\" }}", self.spacing.name()),
+        }
     }
 }
 
@@ -85,12 +111,12 @@ impl MapAxes {
         let x = read_sweep(
             entries,
             medium,
-            ["map.x.parameter", "map.x.from", "map.x.to", "map.x.points"],
+            ["map.x.parameter", "map.x.from", "map.x.to", "map.x.points", "map.x.spacing"],
         )?;
         let y = read_sweep(
             entries,
             medium,
-            ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"],
+            ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points", "map.y.spacing"],
         )?;
         let map = Self { x, y };
         map.check(&entries.positions)?;
@@ -164,9 +190,15 @@ fn check_ends(
         let key = if positions.has_option(&from_key) { from_key } else { to_key };
         return Err(positions.key_error(&key, found, allowed));
     }
+    if sweep.spacing == SweepSpacing::Log && from.min(to) < f64::MIN_POSITIVE {
+        let (key, end) = if from < f64::MIN_POSITIVE { (from_key, from) } else { (to_key, to) };
+        let found = format!("found {}", format_exact(end));
+        let allowed = "expected a number > 0, since the spacing of the axis is log";
+        return Err(positions.key_error(&key, found, allowed));
+    }
     // Larger counts are reported as a grid with too many points.
     if (2..=MAX_MAP_POINTS).contains(&points) {
-        check_spacing(positions, [&from_key, &to_key, &points_key], from, to, points)?;
+        check_spacing(positions, [&from_key, &to_key, &points_key], sweep)?;
     }
     if sweep.parameter.key().name.starts_with("wave.")
         && sweep.parameter.key().unit == "1/m"
@@ -181,7 +213,7 @@ fn check_ends(
 fn read_sweep(
     entries: &CaseEntries,
     medium: MediumKind,
-    [parameter_key, from_key, to_key, points_key]: [&'static str; 4],
+    [parameter_key, from_key, to_key, points_key, spacing_key]: [&'static str; 5],
 ) -> Result<ParameterSweep, CaseError> {
     let name = entries.require_text(parameter_key)?;
     let found =
@@ -194,33 +226,62 @@ fn read_sweep(
         CaseValue::Count(points) => *points,
         _ => 1, // unreachable: the key table declares the key as a count
     };
-    Ok(ParameterSweep { parameter, first_value: from, last_value: to, point_count: points })
+    let spacing = match entries.value(spacing_key) {
+        Some(CaseValue::Text(name)) => {
+            SweepSpacing::ALL.iter().find(|own| own.name() == name).copied().ok_or_else(|| {
+                let names: Vec<&str> = SweepSpacing::ALL.iter().map(|own| own.name()).collect();
+                let found = format!("found '{}'", escape(name));
+                let near = format_suggestion(find_similar_name(name, names.iter().copied()));
+                let allowed = format!("{near}allowed: {}", names.join(", "));
+                entries.positions.key_error(spacing_key, found, allowed)
+            })?
+        }
+        _ => SweepSpacing::default(),
+    };
+    Ok(ParameterSweep {
+        parameter,
+        first_value: from,
+        last_value: to,
+        point_count: points,
+        spacing,
+    })
 }
 
-/// Checks that neighbouring values of a sweep with `points` ≥ 2 values from `from` to `to` differ.
+/// Checks that neighbouring values of a sweep with at least two values differ.
 fn check_spacing(
     positions: &KeyPositions,
     [from_key, to_key, points_key]: [&str; 3],
-    from: f64,
-    to: f64,
-    points: usize,
+    sweep: &ParameterSweep,
 ) -> Result<(), CaseError> {
-    let range = to - from;
-    let largest = from.abs().max(to.abs());
-    if !range.is_finite() {
-        // Report the end of larger magnitude.
-        let key = if from.abs() > to.abs() { from_key } else { to_key };
-        let found = format!(
-            "found {} … {}, whose difference overflows",
-            format_exact(from),
-            format_exact(to)
-        );
-        return Err(positions.key_error(key, found, "expected ends whose difference is finite"));
-    }
-    // Rounding changes a value of the sweep by at most 3/2 of `unit`: ε times the largest magnitude, but at least the
-    // smallest subnormal double.
-    let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
-    if range.abs() / (points - 1) as f64 <= 4.0 * unit {
+    let ParameterSweep { first_value: from, last_value: to, point_count: points, .. } = *sweep;
+    let is_too_close = match sweep.spacing {
+        SweepSpacing::Linear => {
+            let range = to - from;
+            let largest = from.abs().max(to.abs());
+            if !range.is_finite() {
+                // Report the end of larger magnitude.
+                let key = if from.abs() > to.abs() { from_key } else { to_key };
+                let found = format!(
+                    "found {} … {}, whose difference overflows",
+                    format_exact(from),
+                    format_exact(to)
+                );
+                let allowed = "expected ends whose difference is finite";
+                return Err(positions.key_error(key, found, allowed));
+            }
+            // Rounding changes a value of the sweep by at most 3/2 of `unit`: ε times the largest magnitude, but at
+            // least the smallest subnormal double.
+            let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
+            range.abs() / (points - 1) as f64 <= 4.0 * unit
+        }
+        SweepSpacing::Log => {
+            // Rounding changes a logarithm as it changes a value above.
+            let [low, high] = [from, to].map(Elementary::cr_log10);
+            let unit = f64::EPSILON * low.abs().max(high.abs()).max(1.0);
+            (high - low) / (points - 1) as f64 <= 4.0 * unit
+        }
+    };
+    if is_too_close {
         let found = format!(
             "found {points} points between {} and {}, too close to differ",
             format_exact(from),

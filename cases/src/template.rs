@@ -358,8 +358,10 @@ fn write_keys(text: &mut String, medium: MediumKind, purpose: TemplateKind) {
 
 /// Generates the section `[map]`.
 fn format_map_section(medium: MediumKind) -> String {
-    let [x, y] = choose_example_axes(medium);
-    format!("\n[map]\nx = {x}\ny = {y}\n")
+    // Ranges are written without their default spacing.
+    let [x, y] =
+        choose_example_axes(medium).map(|axis| axis.replace(" }", ", spacing = \"linear\" }"));
+    format!("\n# spacing: linear or log\n[map]\nx = {x}\ny = {y}\n")
 }
 
 /// Returns example axes of a map.

@@ -94,21 +94,23 @@ impl Panel {
         ]
     }
 
-    /// Ticks of the horizontal and the vertical axis, in pixels.
-    fn ticks(&self) -> [Vec<Tick>; 2] {
+    /// Ticks of the horizontal and the vertical axis, in pixels, and their common factors.
+    fn ticks(&self) -> ([Vec<Tick>; 2], [String; 2]) {
         let [[left, right], [bottom, top]] = [self.x_ends, self.y_ends];
         let within = |[low, high]: [f64; 2], ticks: Vec<Tick>| {
             ticks.into_iter().filter(move |(value, _)| (low..=high).contains(value))
         };
-        let x = page::choose_ticks(self.frame.width(), false, |max_count| {
-            scale::linear_ticks(left, right, max_count, false)
+        let width = self.frame.width();
+        let (x, x_factor) = page::choose_ticks_with_multiplier(width, false, |max_count| {
+            scale::linear_ticks_with_multiplier(left, right, max_count)
         });
-        let y = page::choose_ticks(self.frame.height(), true, |max_count| {
-            scale::linear_ticks(bottom, top, max_count.min(10), false)
+        let height = self.frame.height();
+        let (y, y_factor) = page::choose_ticks_with_multiplier(height, true, |max_count| {
+            scale::linear_ticks_with_multiplier(bottom, top, max_count.min(10))
         });
         let x = within(self.x_ends, x).map(|(x, label)| (self.to_point([x, bottom])[0], label));
         let y = within(self.y_ends, y).map(|(y, label)| (self.to_point([left, y])[1], label));
-        [omit_overlapping_labels(x.collect()), y.collect()]
+        ([omit_overlapping_labels(x.collect()), y.collect()], [x_factor, y_factor])
     }
 
     fn draw_grid(&self, picture: &mut Picture, [x_ticks, y_ticks]: &[Vec<Tick>; 2]) {
@@ -134,12 +136,13 @@ impl Panel {
     fn draw_axes(
         &self,
         picture: &mut Picture,
-        [x_ticks, y_ticks]: &[Vec<Tick>; 2],
-        [x_label, y_label]: [&str; 2],
+        ([x_ticks, y_ticks], factors): &([Vec<Tick>; 2], [String; 2]),
+        labels: [&str; 2],
     ) {
+        let label = |axis: usize| scale::label_with_multiplier(labels[axis], &factors[axis]);
         picture.draw_frame(self.frame, FRAME_LINE_WIDTH, INK);
-        page::draw_bottom_axis(picture, self.frame, x_ticks, x_label);
-        page::draw_left_axis(picture, self.frame, y_ticks, y_label);
+        page::draw_bottom_axis(picture, self.frame, x_ticks, &label(0));
+        page::draw_left_axis(picture, self.frame, y_ticks, &label(1));
     }
 
     /// Lines through the plottable points, without points that coincide in the picture.
@@ -164,7 +167,7 @@ fn omit_overlapping_labels(mut ticks: Vec<Tick>) -> Vec<Tick> {
     let mut last_end = f64::NEG_INFINITY;
     for (x, label) in &mut ticks {
         let half = 0.5 * text_width(label, page::TICK_LABEL_SIZE, false) + 4.0;
-        if *x - half < last_end || *x + half > page::WIDTH {
+        if *x - half < last_end || *x + half > page::width() {
             label.clear();
         } else if !label.is_empty() {
             last_end = *x + half;
@@ -209,14 +212,15 @@ impl DiagramFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn to_picture(&self) -> Picture {
-        let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(self.legend_entries(), page::width() - 2.0 * MARGIN);
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
-        let height = page::HEIGHT.max(top + 560.0 + below).ceil();
+        let height = page::height().max(top + page::scale_height(560.0) + below).ceil();
         let bottom = height - below;
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let path = || self.path.iter().filter(|point| is_plottable(point));
@@ -234,11 +238,11 @@ impl DiagramFigure {
         };
         // The width of the tick labels does not depend on the horizontal position.
         let axis_width = |index: usize| {
-            let [_, y_ticks] = panel(index, MARGIN, page::WIDTH - MARGIN).ticks();
+            let ([_, y_ticks], _) = panel(index, MARGIN, page::width() - MARGIN).ticks();
             page::left_axis_width(&y_ticks)
         };
         let [first_axis, second_axis] = [axis_width(0), axis_width(1)];
-        let right = page::WIDTH - MARGIN - 20.0;
+        let right = page::width() - MARGIN - 20.0;
         let left = MARGIN + first_axis;
         let free = right - left - PANEL_GAP - second_axis;
         let middle = left + 0.52 * free;
@@ -252,14 +256,14 @@ impl DiagramFigure {
 
     fn draw_path(&self, picture: &mut Picture, panel: &Panel) {
         let ticks = panel.ticks();
-        panel.draw_grid(picture, &ticks);
+        panel.draw_grid(picture, &ticks.0);
         let lines = panel.lines(&self.path);
         let length = lines.iter().flat_map(|line| line.windows(2));
         let length: f64 = length.map(|pair| distance(pair[0], pair[1])).sum();
         let spacing = ARROW_SPACING.max(length / MAX_ARROWS);
         for line in &lines {
             for piece in clip_polyline(line, panel.frame) {
-                picture.draw_line(piece, LINE_WIDTH, PATH_COLOUR);
+                picture.draw_curve(&piece, &[], LINE_WIDTH, PATH_COLOUR);
             }
             for (middle, direction) in place_arrows(line, spacing) {
                 draw_arrowhead(picture, middle, direction);
@@ -269,6 +273,7 @@ impl DiagramFigure {
             draw_ring(picture, *start);
         }
         if let Some(end) = lines.last().and_then(|line| line.last()) {
+            picture.mark_point(*end, END_RADIUS);
             picture.fill_disc(*end, 0.75 * END_RADIUS, INK);
         }
         panel.draw_axes(picture, &ticks, [&self.strain_label, &self.stress_label]);
@@ -276,7 +281,7 @@ impl DiagramFigure {
 
     fn draw_curves(&self, picture: &mut Picture, panel: &Panel) {
         let ticks = panel.ticks();
-        panel.draw_grid(picture, &ticks);
+        panel.draw_grid(picture, &ticks.0);
         for (index, curve) in self.curves.iter().enumerate() {
             let style = LineStyle::from_index(index);
             for line in panel.lines(&curve.points) {
@@ -314,6 +319,7 @@ impl DiagramFigure {
 }
 
 fn draw_ring(picture: &mut Picture, centre: Point) {
+    picture.mark_point(centre, END_RADIUS);
     picture.fill_disc(centre, END_RADIUS, PALE_INK);
     picture.fill_disc(centre, 0.55 * END_RADIUS, WHITE);
 }

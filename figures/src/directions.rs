@@ -150,7 +150,7 @@ impl DirectionsFigure {
             let angle = direction.angle_deg;
             // Each half is drawn from the circle towards the centre, so that the dashes are symmetric about the centre.
             for end in [angle, angle + 180.0] {
-                picture.draw_dashed_line(&[at(end, radius), centre], dashes, width, colour);
+                picture.draw_curve(&[at(end, radius), centre], dashes, width, colour);
             }
         }
         picture.fill_disc(centre, 8.0, RGBColor(0, 0, 0));

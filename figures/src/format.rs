@@ -1,5 +1,7 @@
 //! File formats of figures, and options of their size and heading.
 
+use crate::page;
+
 /// File format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FigureFormat {
@@ -23,7 +25,8 @@ impl FigureFormat {
     }
 }
 
-/// Size of a figure. The figure is scaled as a whole, texts included, to fit in the size, and centred in it.
+/// Size of a figure. The figure is scaled as a whole, texts included, to fit in the size, and centred in it. Fields,
+/// records, spectra, panels of curves and diagrams less than 154 mm wide are laid out anew with larger texts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FigureSize {
     /// Width and height, pixels.
@@ -42,11 +45,14 @@ pub struct FigureOptions {
     pub dpi: Option<f64>,
     /// Whether title and subtitle are drawn. A figure without them is lower.
     pub has_heading: bool,
+    /// Whether the file, in any format, is replaced by a list of the texts that cover another text, a curve or a marked
+    /// point, one a line; empty if there are none. For tests.
+    pub lists_covering_texts: bool,
 }
 
 impl Default for FigureOptions {
     fn default() -> Self {
-        Self { size: None, dpi: None, has_heading: true }
+        Self { size: None, dpi: None, has_heading: true, lists_covering_texts: false }
     }
 }
 
@@ -57,6 +63,23 @@ impl FigureOptions {
     pub const PRINT_DPI: f64 = 300.0;
     /// Largest number of pixels of a PNG.
     pub const MAX_PIXELS: f64 = 1e8;
+
+    /// Returns width and usual height of the page on which figures are laid out, pixels: smaller for figures less than
+    /// 154 mm wide, so that the smallest text has 6 points in print.
+    pub(crate) fn page_size(&self) -> [f64; 2] {
+        /// Resolution at which the smallest text, of 22 pixels, has 6 points, pixels per mm.
+        const PIXELS_PER_MILLIMETRE: f64 = 22.0 / 6.0 * 72.0 / MILLIMETRES_PER_INCH;
+        const MIN_SIZE: [f64; 2] = [700.0, 420.0];
+        match self.size {
+            Some(FigureSize::Millimetres([width, height]))
+                if width * PIXELS_PER_MILLIMETRE < page::WIDTH =>
+            {
+                let pixels = (width * PIXELS_PER_MILLIMETRE).max(MIN_SIZE[0]);
+                [pixels.floor(), (pixels * height / width).clamp(MIN_SIZE[1], page::HEIGHT).floor()]
+            }
+            _ => [page::WIDTH, page::HEIGHT],
+        }
+    }
 
     /// Computes width and height of a PNG, pixels, from the natural size of the figure, pixels.
     pub(crate) fn pixel_size(&self, natural: [f64; 2]) -> [f64; 2] {
@@ -100,6 +123,13 @@ pub struct FigureOutput {
     pub format: FigureFormat,
     /// Size and heading.
     pub options: FigureOptions,
+}
+
+impl FigureOutput {
+    /// Lays out a picture on a page of the size of the options.
+    pub(crate) fn lay_out<T>(&self, lay_out: impl FnOnce() -> T) -> T {
+        page::lay_out_on_page(self.options.page_size(), lay_out)
+    }
 }
 
 impl From<FigureFormat> for FigureOutput {

@@ -1,6 +1,6 @@
 //! Figures of verdicts, growth rates, directions and simulations, for publication.
 //!
-//! Input are plain structs, output the bytes of a PNG, SVG, PDF or GIF file. The crate depends on no solver and no physics:
+//! Input are plain structs, output the bytes of a PNG, SVG, PDF, GIF or APNG file. The crate depends on no solver and no physics:
 //! names, units and symbols are passed as labels. Equal structs give equal bytes. Figures are legible in greyscale:
 //! information given by colour is also given by lightness, hatching, dash patterns or markers. Fonts are embedded; no
 //! system fonts are used.
@@ -36,7 +36,7 @@ mod speeds;
 mod sphere;
 mod verdict_map;
 
-pub use animation::{GifAnimation, animate};
+pub use animation::{Animation, AnimationFormat, AnimationOptions, FrameFigure, animate};
 pub use bands::{BandFamily, BandFigure, BandStyle};
 pub use diagram::{DiagramCurve, DiagramFigure};
 pub use directions::{Direction, DirectionKind, DirectionsFigure};
@@ -50,7 +50,7 @@ pub use format::{FigureFormat, FigureOptions, FigureOutput, FigureSize};
 pub use growth::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};
 pub use ledger::{LedgerFigure, LedgerTerm};
 pub use note::NoteFigure;
-pub use panels::{CurvePanel, PanelsFigure};
+pub use panels::{CurveMark, CurvePanel, PanelsFigure};
 pub use polar::{PolarFigure, Spoke, SpokeStyle};
 pub use seismogram::{SeismogramFigure, SeismogramPanel, Trace};
 pub use spectrum::SpectrumFigure;

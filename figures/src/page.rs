@@ -1,12 +1,52 @@
 //! Elements shared by all figures: titles, axes and legends.
 
 use crate::picture::{Anchor, INK, PALE_INK, Picture, Rectangle, Text, text_width};
-use crate::scale::Tick;
+use crate::scale::{self, Tick};
+use std::cell::Cell;
 
-/// Width of every figure, pixels.
+/// Width of a figure for a full page or a screen, pixels.
 pub(crate) const WIDTH: f64 = 1600.0;
-/// Usual height of a figure, pixels; a large legend increases it.
+/// Usual height of a figure of this width, pixels; a large legend increases it.
 pub(crate) const HEIGHT: f64 = 1100.0;
+
+thread_local! {
+    /// Width and usual height of the page of the picture that this thread lays out, pixels.
+    static PAGE_SIZE: Cell<[f64; 2]> = const { Cell::new([WIDTH, HEIGHT]) };
+}
+
+/// Returns the width of the page of the picture that is laid out, pixels.
+pub(crate) fn width() -> f64 {
+    PAGE_SIZE.get()[0]
+}
+
+/// Returns the usual height of the page of the picture that is laid out, pixels.
+pub(crate) fn height() -> f64 {
+    PAGE_SIZE.get()[1]
+}
+
+/// Returns whether the page has no space for two panels beside each other.
+pub(crate) fn is_narrow() -> bool {
+    width() < 0.75 * WIDTH
+}
+
+/// Returns the length that corresponds to `length` on a page of the usual height, pixels.
+pub(crate) fn scale_height(length: f64) -> f64 {
+    length * height() / HEIGHT
+}
+
+/// Lays out a picture on a page of `size`, pixels. Texts have the same size on all pages, so that on a small page they are
+/// large beside the picture.
+pub(crate) fn lay_out_on_page<T>(size: [f64; 2], lay_out: impl FnOnce() -> T) -> T {
+    /// Restores the size of the page.
+    struct Restored([f64; 2]);
+    impl Drop for Restored {
+        fn drop(&mut self) {
+            PAGE_SIZE.set(self.0);
+        }
+    }
+    let _restored = Restored(PAGE_SIZE.replace(size));
+    lay_out()
+}
 /// Margin along the edges of the figure, pixels.
 pub(crate) const MARGIN: f64 = 44.0;
 
@@ -23,6 +63,9 @@ const TICK_LENGTH: f64 = 9.0;
 /// Line width of frames and ticks, pixels.
 pub(crate) const FRAME_LINE_WIDTH: f64 = 2.0;
 
+/// Space at which [`wrap_text`] does not break a line.
+const NO_BREAK_SPACE: char = '\u{a0}';
+
 /// Breaks a text into at most `max_lines` lines of `width` pixels; a truncated text ends in an ellipsis.
 pub(crate) fn wrap_text(
     text: &str,
@@ -34,7 +77,8 @@ pub(crate) fn wrap_text(
     let fits = |line: &str| text_width(line, size, is_bold) <= width;
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
-    for word in text.split_whitespace() {
+    let is_break = |c: char| c.is_whitespace() && c != NO_BREAK_SPACE;
+    for word in text.split(is_break).filter(|word| !word.is_empty()) {
         let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
         if fits(&longer) {
             line = longer;
@@ -70,7 +114,45 @@ pub(crate) fn wrap_text(
             }
         }
     }
-    lines
+    lines.into_iter().map(|line| line.replace(NO_BREAK_SPACE, " ")).collect()
+}
+
+/// Sets the numbers of a heading as in print: `1.250e-7 m²` as 1.25×10⁻⁷ m², `2 1/s` as 2 s⁻¹. A quantity with its value
+/// is kept on one line.
+fn typeset_heading(text: &str) -> String {
+    const MAX_KEPT: usize = 30;
+    let parts = text.split(", ").map(|part| {
+        let words: Vec<String> = part.split(' ').map(typeset_number).collect();
+        let is_number = |word: &str| word.chars().next_back().is_some_and(|c| c.is_numeric());
+        let mut whole = String::new();
+        for (index, word) in words.iter().enumerate() {
+            let unit = word.strip_prefix("1/").filter(|unit| unit.chars().all(char::is_alphabetic));
+            whole += if index > 0 { " " } else { "" };
+            match unit.filter(|_| index > 0 && is_number(&words[index - 1])) {
+                Some(unit) => whole += &format!("{unit}⁻¹"),
+                None => whole += word,
+            }
+        }
+        match whole.contains(" = ") && whole.chars().count() <= MAX_KEPT {
+            true => whole.replace(' ', "\u{a0}"),
+            false => whole,
+        }
+    });
+    parts.collect::<Vec<_>>().join(", ")
+}
+
+/// Writes a number in scientific notation with a power of ten; returns other words unchanged.
+fn typeset_number(word: &str) -> String {
+    let number = word.trim_end_matches([';', '.', ')', '°']);
+    let Some((mantissa, exponent)) = number.split_once('e') else { return word.to_owned() };
+    let is_decimal = |text: &str| text.chars().all(|c| c.is_ascii_digit() || "+-.".contains(c));
+    match number.parse::<f64>() {
+        Ok(value) if is_decimal(mantissa) && is_decimal(exponent) && value != 0.0 => {
+            let digits = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+            scale::format_scientific(value, digits) + &word[number.len()..]
+        }
+        _ => word.to_owned(),
+    }
 }
 
 /// Fits a text into one line of `width` pixels: the font size is reduced by up to a third, then the text is truncated.
@@ -87,7 +169,7 @@ pub(crate) fn fit_text(text: &str, size: f64, width: f64) -> (String, f64) {
 
 /// Creates a picture of figure width and `height` pixels with title and subtitle.
 pub(crate) fn create_page(height: f64, title: &str, subtitle: &str) -> Picture {
-    let mut picture = Picture::new(WIDTH as u32, height as u32);
+    let mut picture = Picture::new(width() as u32, height as u32);
     let bottom = draw_heading(&mut picture, title, subtitle);
     picture.end_heading(bottom - MARGIN);
     picture
@@ -95,7 +177,7 @@ pub(crate) fn create_page(height: f64, title: &str, subtitle: &str) -> Picture {
 
 /// Computes the y position below title and subtitle, pixels.
 pub(crate) fn heading_bottom(title: &str, subtitle: &str) -> f64 {
-    draw_heading(&mut Picture::new(WIDTH as u32, 1), title, subtitle)
+    draw_heading(&mut Picture::new(width() as u32, 1), title, subtitle)
 }
 
 /// Writes title and subtitle; returns the y position below them.
@@ -105,7 +187,7 @@ fn draw_heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64 {
     for (text, size, is_bold, colour, max_lines) in
         [(title, TITLE_SIZE, true, INK, 2), (subtitle, SUBTITLE_SIZE, false, PALE_INK, 3)]
     {
-        for line in wrap_text(text, size, is_bold, width, max_lines) {
+        for line in wrap_text(&typeset_heading(text), size, is_bold, width, max_lines) {
             let at = [MARGIN, bottom + 0.76 * size];
             picture.draw_text(Text { is_bold, colour, ..Text::new(at, Anchor::Start, size, line) });
             bottom += 1.3 * size;
@@ -183,8 +265,19 @@ pub(crate) fn choose_ticks(
     is_vertical: bool,
     compute_ticks: impl Fn(usize) -> Vec<Tick>,
 ) -> Vec<Tick> {
+    let with_empty_text = |max_count| (compute_ticks(max_count), String::new());
+    choose_ticks_with_multiplier(length, is_vertical, with_empty_text).0
+}
+
+/// Returns the ticks of [`choose_ticks`] with the text that `compute_ticks` returns beside them, such as a common factor
+/// of their numbers.
+pub(crate) fn choose_ticks_with_multiplier(
+    length: f64,
+    is_vertical: bool,
+    compute_ticks: impl Fn(usize) -> (Vec<Tick>, String),
+) -> (Vec<Tick>, String) {
     let max_count = if is_vertical { (length / 65.0) as usize } else { (length / 70.0) as usize };
-    let fits = |ticks: &Vec<Tick>| {
+    let fits = |(ticks, _): &(Vec<Tick>, String)| {
         let label_extent = if is_vertical {
             1.5 * TICK_LABEL_SIZE
         } else {
@@ -209,11 +302,21 @@ pub(crate) struct Legend {
 }
 
 impl Legend {
-    const SWATCH_WIDTH: f64 = 70.0;
-    const SWATCH_GAP: f64 = 16.0;
-    const COLUMN_GAP: f64 = 40.0;
     const LINE_HEIGHT: f64 = 1.3 * TICK_LABEL_SIZE;
     const ROW_HEIGHT: f64 = 1.7 * TICK_LABEL_SIZE;
+
+    /// Width of swatches, pixels; narrow pages have little space for legends.
+    fn swatch_width() -> f64 {
+        if is_narrow() { 54.0 } else { 70.0 }
+    }
+
+    fn swatch_gap() -> f64 {
+        if is_narrow() { 12.0 } else { 16.0 }
+    }
+
+    fn column_gap() -> f64 {
+        if is_narrow() { 24.0 } else { 40.0 }
+    }
 
     pub fn new(entries: Vec<LegendEntry>, width: f64) -> Self {
         let label_text: Vec<String> =
@@ -227,7 +330,7 @@ impl Legend {
         reserved_texts: &[String],
         width: f64,
     ) -> Self {
-        let beside = Self::SWATCH_WIDTH + Self::SWATCH_GAP + Self::COLUMN_GAP;
+        let beside = Self::swatch_width() + Self::swatch_gap() + Self::column_gap();
         let natural: Vec<f64> = reserved_texts
             .iter()
             .map(|label_text| text_width(label_text, TICK_LABEL_SIZE, false).ceil() + 1.0 + beside)
@@ -239,9 +342,12 @@ impl Legend {
                 })
                 .collect()
         };
-        let fits = |widths: &Vec<f64>| widths.iter().sum::<f64>() <= width + Self::COLUMN_GAP;
-        let column_widths =
-            (2..=5).rev().map(widths).find(fits).unwrap_or_else(|| vec![width + Self::COLUMN_GAP]);
+        let fits = |widths: &Vec<f64>| widths.iter().sum::<f64>() <= width + Self::column_gap();
+        let column_widths = (2..=5)
+            .rev()
+            .map(widths)
+            .find(fits)
+            .unwrap_or_else(|| vec![width + Self::column_gap()]);
         let columns = column_widths.len();
         let entries = entries
             .into_iter()
@@ -283,11 +389,11 @@ impl Legend {
                 let area = Rectangle {
                     left: x,
                     top: y + 2.0,
-                    right: x + Self::SWATCH_WIDTH,
+                    right: x + Self::swatch_width(),
                     bottom: y + 2.0 + 1.3 * TICK_LABEL_SIZE,
                 };
                 swatch(picture, area);
-                let x = area.right + Self::SWATCH_GAP;
+                let x = area.right + Self::swatch_gap();
                 for (index, line) in lines.iter().enumerate() {
                     let baseline = y + 2.0 + TICK_LABEL_SIZE + index as f64 * Self::LINE_HEIGHT;
                     picture.draw_text(Text::new(
@@ -320,6 +426,20 @@ mod tests {
         let broken = wrap_text(&"x".repeat(5000), 28.0, false, 300.0, 3);
         assert_eq!(broken.len(), 3);
         assert!(wrap_text("  ", 28.0, false, 300.0, 3).is_empty());
+    }
+
+    #[test]
+    fn numbers_of_headings_are_set_as_in_print() {
+        for (text, expected) in [
+            ("I = 1.250e-7 m², Q_D = 1 1/s", "I = 1.25×10⁻⁷ m², Q_D = 1 s⁻¹"),
+            ("p = 1.000e5 Pa; a = -2.5e-3", "p = 10⁵ Pa; a = −2.5×10⁻³"),
+            ("cone e5, 3 of 4 1/s-units, ρ = inf", "cone e5, 3 of 4 1/s-units, ρ = inf"),
+        ] {
+            assert_eq!(typeset_heading(text).replace(NO_BREAK_SPACE, " "), expected);
+        }
+        let subtitle = typeset_heading("density ρ = 1600 kg/m³, pressure p = 1000 Pa");
+        let lines = wrap_text(&subtitle, 26.0, false, 330.0, 3);
+        assert_eq!(lines, ["density ρ = 1600 kg/m³,", "pressure p = 1000 Pa"]);
     }
 
     #[test]

@@ -3,14 +3,17 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
+use crate::field::{FieldMarkKind, draw_mark};
 use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LINE_WIDTH, LabelledCurve, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
-use crate::picture::{Colour, INK, Picture, Rectangle, clip_polyline};
+use crate::picture::{
+    Anchor, Colour, INK, PALE_INK, Picture, Rectangle, Text, clip_polyline, text_width,
+};
 use crate::scale::{self, FINITE_LIMIT, Tick};
 
 /// Panel of curves with linear axes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct CurvePanel {
     /// Name, symbol and unit of the horizontal axis.
     pub x_label: String,
@@ -23,9 +26,30 @@ pub struct CurvePanel {
     pub reference_lines: Vec<LabelledCurve>,
     /// Points marked by discs.
     pub points: Vec<[f64; 2]>,
+    /// Ends of the horizontal axis; `None` for the range of the curves and points with a margin.
+    pub x_ends: Option<[f64; 2]>,
+    /// Least and greatest value of the vertical axis, such as those of all frames of an
+    /// [`Animation`](crate::Animation); `None` for those of the curves and points.
+    pub y_values: Option<[f64; 2]>,
+    /// Sets of positions on the horizontal axis with a legend text each, such as borders between materials, drawn as
+    /// thin vertical lines below the curves; the first three sets have distinct styles.
+    pub positions: Vec<(String, Vec<f64>)>,
+    /// Sources and receivers at positions on the horizontal axis, drawn above the panel with their names.
+    pub marks: Vec<CurveMark>,
 }
 
-/// Panels in rows of two, a single one across the figure, with one legend.
+/// Mark of a source or a receiver in a panel of curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveMark {
+    /// Position, in the unit of the horizontal axis; marks outside the panel are not drawn.
+    pub x: f64,
+    /// Name written above the mark if there is room; may be empty.
+    pub name: String,
+    /// Kind of the mark.
+    pub kind: FieldMarkKind,
+}
+
+/// Panels in rows of two, a single one and those of a narrow figure across the figure, with one legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelsFigure {
     /// Title of the figure.
@@ -39,6 +63,16 @@ pub struct PanelsFigure {
 const REFERENCE_LINE_COLOUR: Colour = RGBColor(203, 205, 214);
 const REFERENCE_LINE_WIDTH: f64 = 12.0;
 const POINT_RADIUS: f64 = 7.0;
+/// Dashes of the vertical lines at sets of positions.
+const POSITION_DASHES: [&[f64]; 3] = [&[], &[10.0, 6.0], &[3.0, 5.0]];
+/// Width of the vertical lines at positions, pixels.
+const POSITION_LINE_WIDTH: f64 = 1.8;
+/// Font size of the names of marks, pixels.
+const MARK_NAME_SIZE: f64 = 22.0;
+/// Height of the middle of a mark above the upper edge of the frame, pixels.
+const MARK_HEIGHT: f64 = 16.0;
+/// Height of the row of marks and names above a frame, pixels.
+const MARK_ROW_HEIGHT: f64 = 2.0 * MARK_HEIGHT + 1.2 * MARK_NAME_SIZE;
 /// Height of the frame of a panel, pixels.
 const PANEL_HEIGHT: f64 = 400.0;
 /// Distance between two panels beside each other, pixels.
@@ -50,26 +84,32 @@ impl PanelsFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
-    fn to_picture(&self) -> Picture {
+    pub(crate) fn to_picture(&self) -> Picture {
         let labels = self.distinct_labels();
-        let legend = Legend::new(self.legend_entries(&labels), page::WIDTH - 2.0 * MARGIN);
-        let row_height = PANEL_HEIGHT + page::BOTTOM_AXIS_HEIGHT + 30.0;
-        let rows = self.panels.len().div_ceil(2).max(1) as f64;
+        let positions = self.distinct_positions();
+        let legend = Legend::new(self.legend_entries(&labels), page::width() - 2.0 * MARGIN);
+        let has_marks = self.panels.iter().any(|panel| !panel.marks.is_empty());
+        let marks_height = if has_marks { MARK_ROW_HEIGHT } else { 0.0 };
+        let panel_height = page::scale_height(PANEL_HEIGHT);
+        let row_height = panel_height + page::BOTTOM_AXIS_HEIGHT + 30.0 + marks_height;
+        let columns = if page::is_narrow() { 1 } else { self.panels.len().clamp(1, 2) };
+        let rows = self.panels.len().div_ceil(columns).max(1) as f64;
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
         let height = (top + rows * row_height + legend.height() + MARGIN).ceil();
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
-        let width = match self.panels.len() {
-            1 => page::WIDTH - 2.0 * MARGIN,
-            _ => 0.5 * (page::WIDTH - 2.0 * MARGIN - COLUMN_GAP),
+        let width = match columns {
+            1 => page::width() - 2.0 * MARGIN,
+            _ => 0.5 * (page::width() - 2.0 * MARGIN - COLUMN_GAP),
         };
         for (index, panel) in self.panels.iter().enumerate() {
-            let left = MARGIN + (index % 2) as f64 * (width + COLUMN_GAP);
-            let top = top + (index / 2) as f64 * row_height;
-            let area = Rectangle { left, top, right: left + width, bottom: top + PANEL_HEIGHT };
-            panel.draw(&mut picture, area, &labels);
+            let left = MARGIN + (index % columns) as f64 * (width + COLUMN_GAP);
+            let top = top + (index / columns) as f64 * row_height + marks_height;
+            let area = Rectangle { left, top, right: left + width, bottom: top + panel_height };
+            panel.draw(&mut picture, area, [&labels, &positions]);
         }
         legend.draw(&mut picture, MARGIN, top + rows * row_height);
         picture
@@ -101,8 +141,44 @@ impl PanelsFigure {
             };
             entries.push((first.label.clone(), Box::new(swatch)));
         }
+        for (index, label) in self.distinct_positions().into_iter().enumerate() {
+            let swatch = move |picture: &mut Picture, area: Rectangle| {
+                draw_position(picture, index, 0.5 * (area.left + area.right), area);
+            };
+            entries.push((label.to_owned(), Box::new(swatch)));
+        }
+        for (kind, label) in
+            [(FieldMarkKind::Source, "source"), (FieldMarkKind::Receiver, "receiver")]
+        {
+            let mut marks = self.panels.iter().flat_map(|panel| &panel.marks);
+            if marks.any(|mark| mark.kind == kind) {
+                let swatch = move |picture: &mut Picture, area: Rectangle| {
+                    let [from, to] = swatch_line(area);
+                    draw_mark(picture, [0.5 * (from[0] + to[0]), from[1]], kind);
+                };
+                entries.push((label.to_owned(), Box::new(swatch)));
+            }
+        }
         entries
     }
+
+    /// Returns the legend texts of all sets of positions, in the order of their first occurrence.
+    fn distinct_positions(&self) -> Vec<&str> {
+        let mut labels: Vec<&str> = Vec::new();
+        for (label, _) in self.panels.iter().flat_map(|panel| &panel.positions) {
+            if !labels.contains(&label.as_str()) {
+                labels.push(label);
+            }
+        }
+        labels
+    }
+}
+
+/// Draws the vertical line of the set of positions with this index across an area.
+fn draw_position(picture: &mut Picture, index: usize, x: f64, area: Rectangle) {
+    let dashes = POSITION_DASHES[index % POSITION_DASHES.len()];
+    let ends = [[x, area.top], [x, area.bottom]];
+    picture.draw_curve(&ends, dashes, POSITION_LINE_WIDTH, PALE_INK);
 }
 
 fn swatch_line(area: Rectangle) -> [[f64; 2]; 2] {
@@ -111,25 +187,36 @@ fn swatch_line(area: Rectangle) -> [[f64; 2]; 2] {
 }
 
 impl CurvePanel {
-    /// Draws the panel with its axes; the styles of curves follow from the positions of their labels in `labels`.
-    fn draw(&self, picture: &mut Picture, area: Rectangle, labels: &[&str]) {
+    /// Draws the panel with its axes; the styles of curves and of sets of positions follow from the indices of their
+    /// labels in `labels` and `positions`.
+    fn draw(&self, picture: &mut Picture, area: Rectangle, [labels, positions]: [&[&str]; 2]) {
         let all = || {
             let curves = self.curves.iter().chain(&self.reference_lines);
             curves.flat_map(|curve| &curve.points).chain(&self.points)
         };
-        let [x, y] = [0, 1].map(|axis| axis_range(all().map(|point| point[axis])));
-        let y_ticks = page::choose_ticks(area.height(), true, |count| {
-            scale::linear_ticks(y[0], y[1], count, false)
-        });
+        let is_valid = |[from, to]: &[f64; 2]| from < to && to - from < FINITE_LIMIT;
+        let x = match self.x_ends.filter(is_valid) {
+            Some(ends) => ends,
+            None => axis_range(all().map(|point| point[0])),
+        };
+        let y = match self.y_values {
+            Some(ends) => axis_range(ends.into_iter()),
+            None => axis_range(all().map(|point| point[1])),
+        };
+        let (y_ticks, y_factor) =
+            page::choose_ticks_with_multiplier(area.height(), true, |count| {
+                scale::linear_ticks_with_multiplier(y[0], y[1], count)
+            });
         let left = area.left + page::left_axis_width(&y_ticks);
         let frame = Rectangle { left, right: area.right - 16.0, ..area };
         let at = |[a, b]: [f64; 2]| {
             let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
             [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]
         };
-        let x_ticks = page::choose_ticks(frame.width(), false, |count| {
-            scale::linear_ticks(x[0], x[1], count, false)
-        });
+        let (x_ticks, x_factor) =
+            page::choose_ticks_with_multiplier(frame.width(), false, |count| {
+                scale::linear_ticks_with_multiplier(x[0], x[1], count)
+            });
         let across: Vec<Tick> =
             x_ticks.into_iter().map(|(value, name)| (at([value, y[0]])[0], name)).collect();
         let upwards: Vec<Tick> =
@@ -146,6 +233,12 @@ impl CurvePanel {
             let points: Vec<[f64; 2]> = curve.points.iter().map(place).collect();
             clip_polyline(&points, frame)
         };
+        for (label, places) in &self.positions {
+            let index = positions.iter().position(|own| own == label).unwrap_or(0);
+            for place in places.iter().filter(|place| (x[0]..=x[1]).contains(place)) {
+                draw_position(picture, index, at([*place, y[0]])[0], frame);
+            }
+        }
         for line in &self.reference_lines {
             for part in parts(line) {
                 picture.draw_line(part, REFERENCE_LINE_WIDTH, REFERENCE_LINE_COLOUR);
@@ -160,11 +253,42 @@ impl CurvePanel {
             }
         }
         for point in self.points.iter().filter(|p| p.iter().all(|own| own.abs() < FINITE_LIMIT)) {
+            picture.mark_point(at(*point), POINT_RADIUS);
             picture.fill_disc(at(*point), POINT_RADIUS, INK);
         }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
-        page::draw_bottom_axis(picture, frame, &across, &self.x_label);
-        page::draw_left_axis(picture, frame, &upwards, &self.y_label);
+        page::draw_bottom_axis(
+            picture,
+            frame,
+            &across,
+            &scale::label_with_multiplier(&self.x_label, &x_factor),
+        );
+        page::draw_left_axis(
+            picture,
+            frame,
+            &upwards,
+            &scale::label_with_multiplier(&self.y_label, &y_factor),
+        );
+        self.draw_marks(picture, frame, |place| at([place, y[0]])[0]);
+    }
+
+    /// Draws the marks above the frame, each with its name if that covers no other name.
+    fn draw_marks(&self, picture: &mut Picture, frame: Rectangle, to_pixel: impl Fn(f64) -> f64) {
+        // Names may extend into the margins of the page.
+        let mut names_end = frame.left - MARGIN;
+        let mut marks: Vec<(f64, &CurveMark)> =
+            self.marks.iter().map(|mark| (to_pixel(mark.x), mark)).collect();
+        marks.retain(|(x, _)| (frame.left..=frame.right).contains(x));
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (x, mark) in marks {
+            draw_mark(picture, [x, frame.top - MARK_HEIGHT], mark.kind);
+            let half = 0.5 * text_width(&mark.name, MARK_NAME_SIZE, false) + 4.0;
+            if x - half >= names_end && x + half <= frame.right + MARGIN && !mark.name.is_empty() {
+                let at = [x, frame.top - 2.0 * MARK_HEIGHT];
+                picture.draw_text(Text::new(at, Anchor::Middle, MARK_NAME_SIZE, &mark.name));
+                names_end = x + half;
+            }
+        }
     }
 }
 
@@ -201,14 +325,64 @@ mod tests {
         let labelled = |(index, points)| LabelledCurve { label: label(index), points };
         CurvePanel {
             x_label: "compression strain ε, %".into(),
-            y_label: "pressure p, MPa".into(),
+            y_label: "pressure p (MPa)".into(),
             curves: curves.into_iter().enumerate().map(labelled).collect(),
             reference_lines: vec![LabelledCurve {
                 label: "chords".into(),
                 points: vec![[0.0, 0.0], [1.0, 1.0]],
             }],
             points: vec![[0.5, 0.5], [f64::NAN, 1.0]],
+            ..CurvePanel::default()
         }
+    }
+
+    /// Every set of positions and every kind of mark is listed once; a mark without room for its name is drawn.
+    #[test]
+    fn positions_and_marks_are_listed_once() {
+        let mark = |x: f64, name: &str, kind| CurveMark { x, name: name.into(), kind };
+        let mut own = panel(vec![vec![[0.0, 0.0], [10.0, 1.0]]]);
+        own.positions =
+            vec![("border".into(), vec![2.0, 5.0, 99.0]), ("slipped".into(), vec![3.0])];
+        own.marks = vec![
+            mark(4.0, "R1", FieldMarkKind::Receiver),
+            mark(4.01, "R2", FieldMarkKind::Receiver),
+            mark(7.0, "force", FieldMarkKind::Source),
+            mark(-70.0, "outside", FieldMarkKind::Source),
+        ];
+        let panels = vec![own.clone(), own];
+        let figure = PanelsFigure { title: "Title".into(), subtitle: "sub".into(), panels };
+        let picture = figure.to_picture();
+        check_drawing(&picture, |format| figure.draw(format));
+        let count = |text: &str| picture.texts().filter(|own| own.content == text).count();
+        let counts = ["border", "slipped", "receiver", "source", "R1", "R2", "force", "outside"];
+        assert_eq!(counts.map(count), [1, 1, 1, 1, 2, 0, 2, 0]);
+    }
+
+    /// The vertical axis covers the given values, whatever the curve is.
+    #[test]
+    fn vertical_axis_follows_the_given_values() {
+        let axis_names = |scale: f64| {
+            let mut own = panel(vec![vec![[0.0, 0.0], [10.0, scale]]]);
+            own.reference_lines.clear();
+            own.points.clear();
+            own.y_values = Some([-30.0, 50.0]);
+            let figure =
+                PanelsFigure { title: "T".into(), subtitle: String::new(), panels: vec![own] };
+            figure.to_picture().texts().map(|own| own.content.clone()).collect::<Vec<_>>()
+        };
+        assert!(axis_names(1.0).contains(&"40".to_owned()));
+        assert_eq!(axis_names(1.0), axis_names(20.0));
+        // Large numbers have a common factor, and given ends of the horizontal axis are exact.
+        let mut own = panel(vec![vec![[0.5, -4e6], [7.5, 0.0]]]);
+        own.reference_lines.clear();
+        own.points.clear();
+        own.x_ends = Some([0.0, 8.0]);
+        let figure = PanelsFigure { title: "T".into(), subtitle: String::new(), panels: vec![own] };
+        let picture = figure.to_picture();
+        let texts: Vec<&str> = picture.texts().map(|own| own.content.as_str()).collect();
+        assert!(texts.contains(&"pressure p (10⁶ MPa)") && texts.contains(&"−4"), "{texts:?}");
+        let end = picture.texts().find(|own| own.content == "8.0").unwrap();
+        assert!((end.anchor_point[0] - (page::WIDTH - MARGIN - 16.0)).abs() < 1e-9);
     }
 
     #[test]

@@ -30,6 +30,14 @@ pub(crate) struct RecordPanel<'a> {
     pub height_weight: f64,
 }
 
+impl RecordPanel<'_> {
+    /// Returns whether lines are drawn; a text stands for values that are all zero or not finite.
+    fn has_lines(&self) -> bool {
+        let mut all = self.series.iter().flat_map(|series| series.values);
+        all.any(|value| is_plottable(*value) && *value != 0.0)
+    }
+}
+
 /// Content of a figure of records.
 pub(crate) struct RecordFigure<'a> {
     pub title: &'a str,
@@ -215,7 +223,8 @@ fn decimate(
 impl RecordFigure<'_> {
     /// Renders the figure and returns the bytes of the file.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture()?.render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture())?.render(output)
     }
 
     fn validate(&self) -> Result<(), FigureError> {
@@ -248,7 +257,9 @@ impl RecordFigure<'_> {
     /// Returns the style of a record by its name: the same in all panels and in the legend.
     fn line_style(&self, name: Option<&str>, names: &[&str]) -> LineStyle {
         let index = name.and_then(|name| names.iter().position(|other| *other == name));
-        let plain = LineStyle { colour: INK, dashes: &[], width: LINE_WIDTH };
+        // A line without name is not in the legend and differs from all lines that are.
+        let colour = if names.is_empty() { INK } else { PALE_INK };
+        let plain = LineStyle { colour, dashes: &[], width: LINE_WIDTH };
         let style = index.map_or(plain, LineStyle::from_index);
         let is_dense_in = |panel: &RecordPanel| {
             let all = panel.series.iter().flat_map(|series| series.values).copied();
@@ -266,14 +277,15 @@ impl RecordFigure<'_> {
         }
     }
 
-    /// Returns the names of the legend, in the order of their first occurrence.
+    /// Returns the names of the legend, in the order of their first occurrence: those of the drawn lines.
     fn series_names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
-        for name in
-            self.panels.iter().flat_map(|panel| &panel.series).filter_map(|series| series.name)
-        {
-            if !names.contains(&name) {
-                names.push(name);
+        for panel in self.panels.iter().filter(|panel| panel.has_lines()) {
+            for RecordSeries { name, values } in &panel.series {
+                let Some(name) = name.filter(|name| !names.contains(name)) else { continue };
+                if values.iter().any(|value| is_plottable(*value)) {
+                    names.push(name);
+                }
             }
         }
         names
@@ -304,7 +316,7 @@ impl RecordFigure<'_> {
             let share = format_percent(non_finite, values().count());
             entries.push((format!("not a finite number ({share})"), Box::new(swatch)));
         }
-        Legend::new(entries, page::WIDTH - 2.0 * MARGIN)
+        Legend::new(entries, page::width() - 2.0 * MARGIN)
     }
 
     /// Returns the ends of the time axis.
@@ -326,15 +338,16 @@ impl RecordFigure<'_> {
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let rows = PANEL_TITLE_HEIGHT * self.panels.len() as f64
             + PANEL_GAP * self.panels.len().saturating_sub(1) as f64;
-        let min_height: f64 = self.panels.iter().map(|panel| panel.min_height).sum();
-        let height = page::HEIGHT.max(top + rows + min_height + below).ceil();
+        let min_height: f64 =
+            self.panels.iter().map(|panel| page::scale_height(panel.min_height)).sum();
+        let height = page::height().max(top + rows + min_height + below).ceil();
         let spare = height - top - rows - min_height - below;
         let weights: f64 = self.panels.iter().map(|panel| panel.height_weight).sum();
 
         let mut y = top;
         let mut frames = Vec::new();
         for panel in &self.panels {
-            let high = panel.min_height + spare * panel.height_weight / weights;
+            let high = page::scale_height(panel.min_height) + spare * panel.height_weight / weights;
             let top = (y + PANEL_TITLE_HEIGHT).round();
             y += PANEL_TITLE_HEIGHT + high + PANEL_GAP;
             frames.push([top, (y - PANEL_GAP).round()]);
@@ -349,7 +362,7 @@ impl RecordFigure<'_> {
             ranges.iter().map(|range| page::max_label_width(&range.ticks)).fold(0.0, f64::max);
         // The rightmost tick label of the time axis extends beyond the frame.
         let left = (MARGIN + widest + 24.0).round();
-        let right = page::WIDTH - MARGIN - 36.0;
+        let right = page::width() - MARGIN - 36.0;
 
         let mut picture = page::create_page(height, self.title, self.subtitle);
         let [from, to] = self.time_range();
@@ -387,7 +400,7 @@ impl RecordFigure<'_> {
         frame: Rectangle,
         (x_ticks, names): (&[Tick], &[&str]),
     ) {
-        let label = format!("{}{}", panel.label, scale.multiplier);
+        let label = scale::label_with_multiplier(panel.label, &scale.multiplier);
         let (label, size) = page::fit_text(&label, PANEL_TITLE_SIZE, frame.width());
         if !label.is_empty() {
             let at = [frame.left, frame.top - 0.36 * PANEL_TITLE_SIZE];

@@ -75,6 +75,16 @@ pub(crate) fn linear_ticks_with_multiplier(
     (labelled, multiplier)
 }
 
+/// Appends the common factor of the ticks of an axis to its label: to the unit, if the label has one.
+pub(crate) fn label_with_multiplier(label: &str, multiplier: &str) -> String {
+    let unit = label.rsplit_once(" (").filter(|(_, unit)| unit.contains(')'));
+    let power = multiplier.strip_prefix(" (×").and_then(|own| own.strip_suffix(')'));
+    match (unit, power) {
+        (Some((name, unit)), Some(power)) => format!("{name} ({power} {unit}"),
+        _ => format!("{label}{multiplier}"),
+    }
+}
+
 /// Formats a number to the digit of `step`, without trailing zeros.
 fn format_number_with_digits(value: f64, step: f64) -> String {
     let text = format_tick(value, step, value.abs());
@@ -100,7 +110,7 @@ fn format_tick(value: f64, step: f64, largest: f64) -> String {
 }
 
 /// Formats a number in scientific notation with up to `digits` decimals: 3.2×10⁵.
-fn format_scientific(value: f64, digits: usize) -> String {
+pub(crate) fn format_scientific(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$e}");
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };
     let mantissa = match mantissa.split_once('.') {
@@ -287,6 +297,13 @@ mod tests {
         assert_eq!(tick_labels(&ticks), ["0", "0.5", "1.0"]);
         assert_eq!(multiplier, " (100000 + … × 10⁻⁵)");
         assert_eq!(linear_ticks_with_multiplier(0.0, 2.5e6, 4).1, " (×10⁶)");
+        assert_eq!(label_with_multiplier("pressure p (Pa)", " (×10⁶)"), "pressure p (10⁶ Pa)");
+        assert_eq!(
+            label_with_multiplier("σ (Pa), in tension", " (×10⁶)"),
+            "σ (10⁶ Pa), in tension"
+        );
+        assert_eq!(label_with_multiplier("share", " (×10⁶)"), "share (×10⁶)");
+        assert_eq!(label_with_multiplier("p (Pa)", " (1000 + …)"), "p (Pa) (1000 + …)");
         let plain = linear_ticks_with_multiplier(0.0, 1.0, 6);
         assert_eq!(plain, (linear_ticks(0.0, 1.0, 6, false), String::new()));
     }

@@ -141,6 +141,8 @@ mod tests {
             assert!(texts.iter().any(|text| text == label_text), "{label_text} {texts:?}");
         }
         assert!(texts.contains(&"not a finite number (56.7 %)".to_owned()), "{texts:?}");
+        // No line is drawn, so that the legend has none.
+        assert!(!texts.iter().any(|text| text.starts_with('R')), "{texts:?}");
         check_figure(&still.to_record_figure());
         assert!(
             picture_texts(&sample_figure([0, 0, 1], |_, _, _| 0.0).to_record_figure())

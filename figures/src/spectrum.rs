@@ -5,7 +5,7 @@ use crate::error::FigureError;
 use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LabelledCurve, LineStyle, build_line_entries};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
-use crate::picture::{INK, Picture, Rectangle, clip_polyline};
+use crate::picture::{INK, Picture, Rectangle};
 use crate::scale::{self, Tick};
 
 /// Spectra of a positive quantity at several times, against the mode number; both axes are logarithmic.
@@ -22,7 +22,7 @@ pub struct SpectrumFigure {
     /// Name and unit of the quantity.
     pub y_label: String,
     /// Spectra, one per time; the first eight have distinct styles. Points that are non-positive or non-finite
-    /// interrupt a line.
+    /// interrupt a line; a point between two such points is drawn as a disc. Spectra without any point are not listed.
     pub spectra: Vec<LabelledCurve>,
     /// Measured points of each line, drawn as rings in its colour; may have fewer lists than there are lines.
     pub measured_points: Vec<Vec<[f64; 2]>>,
@@ -30,6 +30,21 @@ pub struct SpectrumFigure {
 
 /// Maximum number of decades of the vertical axis.
 const MAX_DECADES: f64 = 14.0;
+/// Radius of a disc at a point without neighbours, pixels.
+const POINT_RADIUS: f64 = 5.0;
+
+/// Decimal logarithms of the coordinates of a spectrum and of its measured points.
+struct Series<'a> {
+    label: &'a str,
+    points: Vec<[f64; 2]>,
+    rings: Vec<[f64; 2]>,
+}
+
+impl Series<'_> {
+    fn all(&self) -> impl Iterator<Item = &[f64; 2]> {
+        self.points.iter().chain(&self.rings)
+    }
+}
 
 impl SpectrumFigure {
     /// Renders the figure and returns the bytes of the file.
@@ -37,49 +52,57 @@ impl SpectrumFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn to_picture(&self) -> Picture {
-        let labels: Vec<&str> = self.spectra.iter().map(|line| line.label.as_str()).collect();
+        // Decimal logarithms of the coordinates; NaN for non-positive numbers.
+        let place = |value: f64| if value > 0.0 { value.log10() } else { f64::NAN };
+        let places = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+            points.iter().map(|point| point.map(place)).collect()
+        };
+        let mut series: Vec<Series> = Vec::new();
+        for (index, line) in self.spectra.iter().enumerate() {
+            let rings = self.measured_points.get(index).map_or(&[][..], Vec::as_slice);
+            let label = line.label.as_str();
+            series.push(Series { label, points: places(&line.points), rings: places(rings) });
+        }
+        let largest = series
+            .iter()
+            .flat_map(Series::all)
+            .map(|point| point[1])
+            .filter(|height| height.is_finite())
+            .fold(f64::NEG_INFINITY, f64::max);
+        // Smaller values are rounding errors of modes without energy.
+        let is_drawn = |point: &[f64; 2]| {
+            point[0].is_finite() && (largest - MAX_DECADES..=largest).contains(&point[1])
+        };
+        series.retain(|own| own.all().any(is_drawn));
+
+        let labels: Vec<&str> = series.iter().map(|own| own.label).collect();
         let mut entries = build_line_entries(&labels);
-        if self.measured_points.iter().any(|points| !points.is_empty()) {
+        if series.iter().any(|own| own.rings.iter().any(is_drawn)) {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let middle = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
                 draw_ring(picture, middle, INK);
             };
             entries.push(("measured in time".to_owned(), Box::new(swatch)));
         }
-        let legend = Legend::new(entries, page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(entries, page::width() - 2.0 * MARGIN);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
-        let mut picture = page::create_page(page::HEIGHT, &self.title, &self.subtitle);
+        let mut picture = page::create_page(page::height(), &self.title, &self.subtitle);
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
-        let bottom = page::HEIGHT - below;
+        let bottom = page::height() - below;
 
-        // Decimal logarithms of the coordinates; NaN for non-positive numbers.
-        let place = |value: f64| if value > 0.0 { value.log10() } else { f64::NAN };
-        let lines: Vec<Vec<[f64; 2]>> = self
-            .spectra
-            .iter()
-            .map(|line| line.points.iter().map(|p| p.map(place)).collect())
-            .collect();
-        let rings: Vec<Vec<[f64; 2]>> = self
-            .measured_points
-            .iter()
-            .map(|points| points.iter().map(|p| p.map(place)).collect())
-            .collect();
-        let all = || lines.iter().chain(&rings).flatten();
-        let largest = all().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
-        let above_rounding = || all().filter(|point| point[1] >= largest - MAX_DECADES);
-        let [x, y] = [0, 1].map(|axis| axis_range(above_rounding().map(|point| point[axis])));
+        let drawn = || series.iter().flat_map(Series::all).filter(|point| is_drawn(point));
+        let [x, y] = [0, 1].map(|axis| axis_range(drawn().map(|point| point[axis])));
         let ticks =
             |[low, high]: [f64; 2], max_count: usize| scale::log_ticks(low, high, max_count);
         let y_ticks = ticks(y, ((bottom - top) / 48.0) as usize);
         let left = MARGIN + page::left_axis_width(&y_ticks);
-        let frame = Rectangle { left, top, right: page::WIDTH - MARGIN, bottom };
+        let frame = Rectangle { left, top, right: page::width() - MARGIN, bottom };
 
-        // Values below the axis are rounding errors of modes without energy: they interrupt a line.
-        let is_drawn = |[_, b]: [f64; 2]| b >= y[0];
         let at = |[a, b]: [f64; 2]| {
             let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
             [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]
@@ -95,25 +118,20 @@ impl SpectrumFigure {
         for (place, _) in &upwards {
             picture.draw_line([[frame.left, *place], [frame.right, *place]], 1.2, GRID_COLOUR);
         }
-        for (index, line) in lines.iter().enumerate() {
+        for (index, own) in series.iter().enumerate() {
             let style = LineStyle::from_index(index);
-            let points: Vec<[f64; 2]> = line
-                .iter()
-                .map(|&point| if is_drawn(point) { at(point) } else { [f64::NAN; 2] })
-                .collect();
-            for part in clip_polyline(&points, frame) {
-                style.draw(&mut picture, &part);
+            for part in own.points.split(|point| !is_drawn(point)) {
+                let part: Vec<[f64; 2]> = part.iter().map(|point| at(*point)).collect();
+                match part[..] {
+                    [] => {}
+                    [single] => picture.fill_disc(single, POINT_RADIUS, style.colour),
+                    _ => style.draw(&mut picture, &part),
+                }
             }
         }
-        for (index, points) in rings.iter().enumerate() {
-            for point in points.iter().map(|point| at(*point)) {
-                let [inside_x, inside_y] = [
-                    (frame.left..=frame.right).contains(&point[0]),
-                    (frame.top..=frame.bottom).contains(&point[1]),
-                ];
-                if inside_x && inside_y {
-                    draw_ring(&mut picture, point, LineStyle::from_index(index).colour);
-                }
+        for (index, own) in series.iter().enumerate() {
+            for point in own.rings.iter().filter(|point| is_drawn(point)) {
+                draw_ring(&mut picture, at(*point), LineStyle::from_index(index).colour);
             }
         }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
@@ -176,6 +194,33 @@ mod tests {
                 assert!(!String::from_utf8(svg).unwrap().contains("NaN"));
             }
         }
+    }
+
+    /// Shells without energy are left out: no text or shape stands for them, and the legend lists what is drawn.
+    #[test]
+    fn empty_shells_and_spectra_are_left_out() {
+        let energy = |n: f64, time: usize| match (time, n as usize) {
+            (0, _) => 0.0,
+            (1, 20) => 1.0,
+            (2, 1..=9) => 0.1 / n,
+            (2, 30..) => 1e-20,
+            _ => f64::NEG_INFINITY,
+        };
+        let figure = sample_figure(3, energy);
+        let picture = figure.to_picture();
+        let texts: Vec<&str> = picture.texts().map(|own| own.content.as_str()).collect();
+        assert!(texts.contains(&"t = 1 s") && texts.contains(&"t = 2 s"), "{texts:?}");
+        assert!(!texts.contains(&"t = 0 s") && !texts.contains(&"10⁻²⁰"), "{texts:?}");
+        let expected =
+            sample_figure(3, |n, time| if n > 20.0 { f64::NAN } else { energy(n, time) });
+        assert!(
+            figure.draw(FigureFormat::Svg).unwrap() == expected.draw(FigureFormat::Svg).unwrap()
+        );
+        let mut without = figure;
+        without.spectra[1].points.retain(|point| point[0] != 20.0);
+        let texts: Vec<String> =
+            without.to_picture().texts().map(|own| own.content.clone()).collect();
+        assert!(!texts.contains(&"t = 1 s".to_owned()), "{texts:?}");
     }
 
     #[test]

@@ -298,11 +298,11 @@ fn draw_parallel_lines(
         _ => (0.75 * width * 3.0 + 2.0 * gap, 0.75 * width),
     };
     if outer > 0.0 {
-        picture.draw_dashed_line(line, dashes, outer, colour);
+        picture.draw_curve(line, dashes, outer, colour);
         picture.draw_dashed_line(line, &[], outer - 1.5 * width, WHITE);
     }
     if inner > 0.0 {
-        picture.draw_dashed_line(line, dashes, inner, colour);
+        picture.draw_curve(line, dashes, inner, colour);
     }
 }
 

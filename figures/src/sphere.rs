@@ -453,6 +453,7 @@ impl SphereFigure {
 }
 
 fn draw_point(picture: &mut Picture, at: Point) {
+    picture.mark_point(at, 8.0);
     picture.fill_disc(at, 8.0, WHITE);
     picture.fill_disc(at, 5.5, INK);
 }

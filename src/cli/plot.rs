@@ -1,8 +1,8 @@
 //! `wellposed plot`: redraws the pictures of a results folder from its files.
 
 use super::load::print_hints;
-use super::progress::run_with_progress;
-use super::run::{ANIMATION_FILE, AnimationOutput, draw_animation, read_records};
+use super::progress::{DelayedProgressBar, run_with_progress};
+use super::run::{AnimationOutput, draw_animation, read_records};
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
@@ -89,19 +89,31 @@ fn plot_run(path: &Path, options: &PictureOptions) -> Result<Option<String>, Com
     stage_pictures(&mut publication, &pictures, options)?;
     match draw_animation(&case, &folder, options)? {
         AnimationOutput::NoAnimation => {}
-        AnimationOutput::AllZero => publication.schedule_removal(ANIMATION_FILE),
-        AnimationOutput::Gif(bytes) => publication.stage_file(ANIMATION_FILE, &bytes)?,
+        AnimationOutput::AllZero(names) => {
+            names.iter().for_each(|name| publication.schedule_removal(name));
+        }
+        AnimationOutput::Files(animations) => {
+            for (name, bytes) in animations {
+                publication.stage_file(&name, &bytes)?;
+            }
+        }
     }
     publication.publish()?;
     Ok(options.file_names("run").next())
 }
 
+/// Draws pictures and shows the progress.
 fn stage_pictures(
     publication: &mut Publication,
     pictures: &[report::ReportPicture],
     options: &PictureOptions,
 ) -> Result<(), CommandError> {
+    let file_count = (pictures.len() * options.formats.len()) as u64;
+    let progress = DelayedProgressBar::new("pictures", file_count);
+    let mut done = 0;
     report::draw_pictures(pictures, options, |name, bytes| {
+        done += 1;
+        progress.advance_to(done, file_count);
         publication.stage_file(name, bytes).map_err(CommandError::from)
     })
 }

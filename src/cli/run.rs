@@ -12,7 +12,7 @@ mod planned_files;
 mod recorder;
 mod run_files;
 
-pub(super) use animation::{ANIMATION_FILE, AnimationOutput, draw_animation};
+pub(super) use animation::{AnimationOutput, draw_animation};
 pub(super) use checkpoint::Checkpoint;
 pub(super) use run_files::read_records;
 
@@ -138,8 +138,14 @@ pub(super) fn execute_run(
     if let Some(mut files) = recorder.into_folder()? {
         match draw_animation(case, folder, pictures)? {
             AnimationOutput::NoAnimation => {}
-            AnimationOutput::AllZero => files.remove_result(ANIMATION_FILE)?,
-            AnimationOutput::Gif(bytes) => drop(files.write_result(ANIMATION_FILE, &bytes)?),
+            AnimationOutput::AllZero(names) => {
+                names.iter().try_for_each(|name| files.remove_result(name))?;
+            }
+            AnimationOutput::Files(animations) => {
+                for (name, bytes) in animations {
+                    files.write_result(&name, &bytes)?;
+                }
+            }
         }
         rendered.write_files(pictures, |name, bytes| {
             files.write_result(name, bytes).map(drop).map_err(CommandError::from)

@@ -181,7 +181,7 @@ fn create_time_figure(result: &ComparisonResult) -> SeismogramFigure {
             ],
         },
         SeismogramPanel {
-            label: "front positions, m".to_owned(),
+            label: "front positions (m)".to_owned(),
             traces: vec![
                 trace("first run, front at 0°", &|own| own.fronts[0][0]),
                 trace("second run, front at 0°", &|own| own.fronts[0][1]),
@@ -194,18 +194,25 @@ fn create_time_figure(result: &ComparisonResult) -> SeismogramFigure {
         let [first, second] =
             [0, 1].map(|run| result.dissipation.energies[run][first_index..].to_vec());
         panels.push(SeismogramPanel {
-            label: "dissipated energy, J/m".to_owned(),
+            label: "dissipated energy (J/m)".to_owned(),
             traces: vec![
                 Trace { name: "first run, dissipated".to_owned(), values: first },
                 Trace { name: "second run, dissipated".to_owned(), values: second },
             ],
         });
     }
+    // The legend has the traces: those without values, such as rotations of classical solids, would not be drawn.
+    for panel in &mut panels {
+        panel.traces.retain(|trace| trace.values.iter().any(|value| value.is_finite()));
+    }
+    if panels.iter().any(|panel| !panel.traces.is_empty()) {
+        panels.retain(|panel| !panel.traces.is_empty());
+    }
     let [first, second] = &result.runs;
     SeismogramFigure {
         title: "Comparison of two runs".to_owned(),
         subtitle: format!("first: {}; second: {}", first.title, second.title),
-        time_label: "time t, s".to_owned(),
+        time_label: "time t (s)".to_owned(),
         panels,
         times,
     }
@@ -253,8 +260,8 @@ fn create_mean_figure(
             result.averaging.over,
             format_short(*time)
         ),
-        x: axis(0, "x₁, m"),
-        y: axis(1, "x₂, m"),
+        x: axis(0, "x₁ (m)"),
+        y: axis(1, "x₂ (m)"),
         columns: cells[0],
         rows: cells[1],
         values: select(&means[run]).clone(),

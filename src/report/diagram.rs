@@ -50,9 +50,12 @@ impl Report for DiagramResult {
         for own in self.elements.iter().filter(|own| ["damper", "hinge"].contains(&own.kind)) {
             let _ = writeln!(text, "    {}: {}", own.name, format_short(own.dissipated_energy));
         }
-        let loss = format_short(self.step_loss);
-        let _ =
-            writeln!(text, "  steps       {loss}: loss of the implicit steps, 0 for short steps");
+        let _ = writeln!(
+            text,
+            "  lost        {}: half of the work of each jump of the load, and the loss of implicit steps, \
+             which vanishes with their length",
+            format_short(self.step_loss)
+        );
         let residual = format_short(self.ledger_residual);
         let _ = writeln!(text, "  ledger residual: {residual} of the largest energy");
         text
@@ -169,7 +172,7 @@ impl DiagramResult {
             let label = format!("{verb} {}", own.name);
             curves.push(curve(label, &|point| self.energy_of_element(point, index)));
         }
-        curves.push(curve("loss of the steps".to_owned(), &|point| point.state.step_loss()));
+        curves.push(curve("lost in jumps and steps".to_owned(), &|point| point.state.step_loss()));
         DiagramFigure {
             title: case_title(case),
             subtitle: format!("{}: {}", scheme_title(case), self.tree),

@@ -1,7 +1,7 @@
 //! Pictures of a report, and the options with which they are drawn.
 
 use crate::Error;
-use figures::{FigureError, FigureFormat, FigureOptions, FigureOutput};
+use figures::{AnimationFormat, FigureError, FigureFormat, FigureOptions, FigureOutput};
 
 /// Function that draws a picture.
 type DrawFunction = Box<dyn Fn(FigureOutput) -> Result<Vec<u8>, FigureError>>;
@@ -35,6 +35,8 @@ pub struct PictureOptions {
     pub formats: Vec<FigureFormat>,
     /// Size and heading of all pictures; animations do not follow them.
     pub figure: FigureOptions,
+    /// File formats of animations, each drawn once; without effect if no pictures are drawn.
+    pub animations: Vec<AnimationFormat>,
 }
 
 impl Default for PictureOptions {
@@ -42,6 +44,7 @@ impl Default for PictureOptions {
         Self {
             formats: vec![FigureFormat::Png, FigureFormat::Svg],
             figure: FigureOptions::default(),
+            animations: vec![AnimationFormat::Gif],
         }
     }
 }
@@ -50,6 +53,11 @@ impl PictureOptions {
     /// Returns options with which nothing is drawn.
     pub fn no_pictures() -> Self {
         Self { formats: Vec::new(), ..Self::default() }
+    }
+
+    /// Returns the file formats of the animations that are drawn.
+    pub fn animation_formats(&self) -> &[AnimationFormat] {
+        if self.formats.is_empty() { &[] } else { &self.animations }
     }
 
     /// Iterates over the names of the files of a picture with the file name `stem`.

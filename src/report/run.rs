@@ -7,6 +7,7 @@ mod flow;
 mod fluid;
 mod joints;
 mod polar;
+mod profile;
 mod records;
 mod snapshot;
 mod solid;

@@ -31,7 +31,7 @@ pub struct DiagramResult {
     pub stored_energy: f64,
     /// Energy dissipated by dampers and hinges per volume, J/m³.
     pub dissipated_energy: f64,
-    /// Loss of the implicit steps per volume, J/m³; it vanishes in the limit of short steps.
+    /// Loss of jumps of the load and of the implicit steps per volume, J/m³; that of steps vanishes with their length.
     pub step_loss: f64,
     /// Largest residual of the energy ledger, relative to the largest energy.
     pub ledger_residual: f64,

@@ -149,8 +149,8 @@ pub fn growth_by_wave_number(
     curve.into_iter().map(|(_, point)| point).collect()
 }
 
-/// Returns whether a curve turns at a point: whether the orders of growth before and after it differ by more than
-/// [`MAX_TURN`].
+/// Returns whether a curve turns at a point: whether the orders of growth, or of decay, before and after it differ by
+/// more than [`MAX_TURN`], or the sign changes on one side.
 fn is_bent(curve: &[(f64, GrowthPoint)], index: usize) -> bool {
     if index == 0 || index + 1 == curve.len() {
         return false;
@@ -158,7 +158,8 @@ fn is_bent(curve: &[(f64, GrowthPoint)], index: usize) -> bool {
     let order = |from: usize| {
         let [(x0, a), (x1, b)] = [curve[from], curve[from + 1]];
         let [a, b] = [a.max_growth_rate, b.max_growth_rate];
-        if a > 0.0 && b > 0.0 { (b / a).cr_log10() / (x1 - x0) } else { f64::NAN }
+        let ratio = b / a;
+        if ratio <= 0.0 { f64::INFINITY } else { ratio.cr_log10() / (x1 - x0) }
     };
     (order(index) - order(index - 1)).abs() > MAX_TURN
 }
@@ -286,6 +287,28 @@ mod tests {
         let slope = |k: f64| 0.4 / (1.0 + 50.0 * k.powf(-0.4));
         let fit = fit_order(&growth_curve(|k| k.powf(0.4) + 50.0)).unwrap();
         assert!((slope(1e6)..slope(1e8)).contains(&fit.order), "{}", fit.order);
+    }
+
+    /// A curve is refined where growth turns into decay and where decay turns, as where growth turns.
+    #[test]
+    fn curves_turn_at_changes_of_sign() {
+        let rates = [1.0, 0.5, -0.5, -1.0, -1.0, -1.0, 0.0, 0.0, 0.0, f64::NAN, 1.0];
+        let point = |(index, max_growth_rate): (usize, f64)| {
+            let wave_number = index as f64;
+            let growth_rate = max_growth_rate;
+            (
+                wave_number,
+                GrowthPoint {
+                    wave_number,
+                    growth_rate,
+                    max_growth_rate,
+                    max_growth_direction: 0.0,
+                },
+            )
+        };
+        let curve: Vec<(f64, GrowthPoint)> = rates.into_iter().enumerate().map(point).collect();
+        let bent: Vec<usize> = (0..curve.len()).filter(|index| is_bent(&curve, *index)).collect();
+        assert_eq!(bent, [1, 2, 3, 5]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Keys of the sections of a model given as equations.
 
+use crate::map::SweepSpacing;
 use crate::schema::{
     AllowedRange, KeyGroup, KeySchema, NamedValues, SchemaScope, TableSchema, ValueType,
 };
@@ -152,6 +153,15 @@ pub(super) const AXIS_SCHEMA: TableSchema = TableSchema::new_inline_table(
             "last value",
         ),
         KeySchema::new_required("points", ValueType::WholeNumber(1), "", "41", "number of points"),
+        KeySchema::new_with_default(
+            "spacing",
+            ValueType::OneOf(|_| {
+                SweepSpacing::ALL.iter().map(|own| own.name().to_owned()).collect()
+            }),
+            "",
+            "\"linear\"",
+            "spacing of the points: linear, or log with equal ratios between positive ends",
+        ),
     ])],
 );
 

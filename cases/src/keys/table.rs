@@ -271,6 +271,8 @@ static TRAILING_KEYS: &[Key] = keys! {
         ALL_MODELS, Required(0.0), UnstoredNumber;
     "map.x.points": "points" [""] "number of points along the x axis";
         ALL_MODELS, Required(0.0), Count;
+    "map.x.spacing": "spacing" [""] "spacing of the points along the x axis: linear, or log with equal ratios between positive ends; default: linear";
+        ALL_MODELS, Optional, Text;
     "map.y.parameter": "parameter" [""] "name of the parameter swept along the y axis";
         ALL_MODELS, Required(0.0), Text;
     "map.y.from": "first value" [""] "first value along the y axis";
@@ -279,6 +281,8 @@ static TRAILING_KEYS: &[Key] = keys! {
         ALL_MODELS, Required(0.0), UnstoredNumber;
     "map.y.points": "points" [""] "number of points along the y axis";
         ALL_MODELS, Required(0.0), Count;
+    "map.y.spacing": "spacing" [""] "spacing of the points along the y axis: linear, or log with equal ratios between positive ends; default: linear";
+        ALL_MODELS, Optional, Text;
 
     "compare.kinds": "kinds of model" [""] "kinds of model compared at this state";
         FLOW_MODELS, Required(0.0), TextList;

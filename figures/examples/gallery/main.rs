@@ -27,7 +27,7 @@ use crate::verdict_maps::{build_all_verdicts_map, build_noncoaxiality_map};
 use crate::waves::{build_dispersion_figure, build_speeds_figure, build_sphere_figure};
 use std::error::Error;
 use std::path::PathBuf;
-use wellposed_figures::{FieldFigure, FigureError, FigureFormat, animate};
+use wellposed_figures::{AnimationFormat, FieldFigure, FigureError, FigureFormat, animate};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("usage: gallery FOLDER [NAME]")?;
@@ -69,8 +69,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("ledger_residual", &|format| build_ledger(false).draw(format))?;
     let frames: Vec<FieldFigure> =
         sample_interval(0.0, 0.4, 25).into_iter().map(build_wave_frame).collect();
-    if "wave.gif".starts_with(&prefix) {
-        std::fs::write(folder.join("wave.gif"), animate(&frames, 0.08, 800)?)?;
+    for format in [AnimationFormat::Gif, AnimationFormat::Apng] {
+        let name = format!("wave.{}", format.extension());
+        if name.starts_with(&prefix) {
+            std::fs::write(folder.join(name), animate(&frames, format, 0.08, 800)?)?;
+        }
     }
     save("panels", &|format| build_panels_figure().draw(format))?;
     save("speeds", &|format| build_speeds_figure().draw(format))?;

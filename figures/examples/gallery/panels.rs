@@ -22,6 +22,7 @@ pub fn build_panels_figure() -> PanelsFigure {
                 points: vec![[0.0, value(0.0, 2.0)], [1.0, value(1.0, 2.0)]],
             }],
             points: vec![[0.0, value(0.0, 2.0)], [1.0, value(1.0, 2.0)]],
+            ..CurvePanel::default()
         }
     };
     PanelsFigure {

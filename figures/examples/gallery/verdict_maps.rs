@@ -35,8 +35,8 @@ pub fn build_noncoaxiality_map() -> VerdictMap {
     VerdictMap {
         title: "Harris–Grekova model, ν = 0: where is it well-posed?".to_owned(),
         subtitle: "p = 10 kPa, ρ = 1600 kg/m³, Q = 1 s⁻¹, ψ = 30°, m/p = 0.1".to_owned(),
-        x: VerdictMapAxis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
-        y: VerdictMapAxis { label: "friction angle φ (°)".to_owned(), values: y },
+        x: VerdictMapAxis { label: "non-coaxiality Δ (°)".to_owned(), values: x, is_log: false },
+        y: VerdictMapAxis { label: "friction angle φ (°)".to_owned(), values: y, is_log: false },
         categories: build_categories([
             ("well-posed", FillStyle::WellPosed),
             ("ill-posed, order 1", FillStyle::IllPosed(Hatching::Plain)),
@@ -86,8 +86,8 @@ pub fn build_all_verdicts_map() -> VerdictMap {
         subtitle: "Made-up verdicts over non-coaxiality and dilatancy angle; φ = 35°, \
                    p = 10 kPa, ρ = 1600 kg/m³, Q = 1 s⁻¹"
             .to_owned(),
-        x: VerdictMapAxis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
-        y: VerdictMapAxis { label: "dilatancy angle ν (°)".to_owned(), values: y },
+        x: VerdictMapAxis { label: "non-coaxiality Δ (°)".to_owned(), values: x, is_log: false },
+        y: VerdictMapAxis { label: "dilatancy angle ν (°)".to_owned(), values: y, is_log: false },
         categories: build_categories([
             ("well-posed", FillStyle::WellPosed),
             ("ill-posed, order 1", FillStyle::IllPosed(Hatching::Plain)),

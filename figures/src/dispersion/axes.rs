@@ -2,6 +2,7 @@
 
 use super::figure::DispersionFigure;
 use crate::page::{self};
+use crate::picture::Point;
 use crate::scale::{self, FINITE_LIMIT, SymmetricLog, Tick};
 
 /// Mapping from values to axis positions.
@@ -108,11 +109,11 @@ impl DispersionFigure {
         let frequency = if self.is_frequency_log {
             AxisScale::from_values(ScaleKind::Logarithmic, values, [0.04, 0.04])
         } else {
-            extend_negative_range(AxisScale::from_values(
-                ScaleKind::Linear,
-                values.chain([0.0]),
-                [0.0, 0.05],
-            ))
+            let scale = AxisScale::from_values(ScaleKind::Linear, values.chain([0.0]), [0.0, 0.05]);
+            extend_below_zero_lines(
+                extend_negative_range(scale),
+                branches().map(|branch| branch.frequency.clone()),
+            )
         };
 
         let group = branches().flat_map(|b| &b.group_speed).map(|point| point[1]);
@@ -126,6 +127,9 @@ impl DispersionFigure {
         let values = group.chain(limits).chain(shortest).chain([0.0]);
         let speed =
             extend_negative_range(AxisScale::from_values(ScaleKind::Linear, values, [0.0, 0.25]));
+        let lines = branches()
+            .flat_map(|branch| [Self::branch_phase_speeds(branch), branch.group_speed.clone()]);
+        let speed = extend_below_zero_lines(speed, lines);
 
         let growth = || branches().flat_map(|b| &b.growth_rate).map(|point| point[1]).chain([0.0]);
         let kind = if self.is_wave_number_log {
@@ -136,6 +140,19 @@ impl DispersionFigure {
             ScaleKind::Linear
         };
         [k, frequency, speed, AxisScale::from_values(kind, growth(), [0.06, 0.06])]
+    }
+}
+
+/// Lowers the lower end 0 of a range by 5 % of its length if one of the lines is at zero, where the frame would cover it and
+/// its rings.
+fn extend_below_zero_lines(scale: AxisScale, lines: impl Iterator<Item = Vec<Point>>) -> AxisScale {
+    const TOLERANCE: f64 = 1e-6;
+    let is_at_zero = |line: Vec<Point>| {
+        !line.is_empty() && line.iter().all(|[_, value]| value.abs() <= TOLERANCE * scale.high)
+    };
+    match scale.low == 0.0 && { lines }.any(is_at_zero) {
+        true => AxisScale { low: -0.05 * scale.high, ..scale },
+        false => scale,
     }
 }
 

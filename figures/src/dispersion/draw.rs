@@ -59,6 +59,7 @@ impl DispersionFigure {
             x_scale: k_scale,
             y_scale: y,
             solid_lines: solid,
+            styles: (0..self.branches.len()).map(|branch| self.branch_style(branch)).collect(),
             dashed_lines: Vec::new(),
             measured_points: Vec::new(),
             disagreeing_points: Vec::new(),

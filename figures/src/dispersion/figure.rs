@@ -1,5 +1,7 @@
 //! Input of a dispersion figure.
 
+use super::styles::branch_style;
+use crate::growth::LineStyle;
 use crate::picture::Point;
 
 /// A branch of the dispersion relation. Points are in the units of the axes; NaN interrupts a line.
@@ -76,6 +78,14 @@ pub struct DispersionFigure {
 }
 
 impl DispersionFigure {
+    pub(super) fn has_group_speeds(&self) -> bool {
+        self.branches.iter().any(|branch| !branch.group_speed.is_empty())
+    }
+
+    pub(super) fn branch_style(&self, branch: usize) -> LineStyle {
+        branch_style(branch, self.has_group_speeds())
+    }
+
     pub(super) fn has_growth(&self) -> bool {
         self.branches.iter().any(|branch| !branch.growth_rate.is_empty())
     }

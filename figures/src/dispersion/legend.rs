@@ -1,10 +1,9 @@
 //! Legend of a dispersion figure.
 
-use super::figure::DispersionFigure;
+use super::figure::{DispersionFigure, ReferenceLevel};
 use super::number_discs::{draw_disagreement, draw_number_disc, draw_ring};
 use super::styles::{
-    BAND_COLOUR, BRANCH_COLOURS, CUTOFF_DASHES, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH,
-    SPEED_LIMIT_DASHES, branch_width,
+    BAND_COLOUR, CUTOFF_DASHES, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH, SPEED_LIMIT_DASHES,
 };
 use crate::growth::{LINE_WIDTH, LINEAR_RANGE_COLOUR};
 use crate::page::LegendEntry;
@@ -15,10 +14,11 @@ impl DispersionFigure {
         let mut entries: Vec<LegendEntry> = Vec::new();
         let middle = |area: Rectangle| 0.5 * (area.top + area.bottom);
         for (index, branch) in self.branches.iter().enumerate() {
+            let style = self.branch_style(index);
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let (y, colour) = (middle(area), BRANCH_COLOURS[index % BRANCH_COLOURS.len()]);
-                picture.draw_line([[area.left, y], [area.right, y]], branch_width(index), colour);
-                draw_number_disc(picture, [0.5 * (area.left + area.right), y], index + 1, colour);
+                style.draw_swatch(picture, area);
+                let centre = [0.5 * (area.left + area.right), middle(area)];
+                draw_number_disc(picture, centre, index + 1, style.colour);
             };
             entries.push((branch.label.clone(), Box::new(swatch)));
         }
@@ -29,15 +29,15 @@ impl DispersionFigure {
             };
             entries.push((label_text.to_owned(), Box::new(swatch)));
         };
-        if self.branches.iter().any(|branch| !branch.group_speed.is_empty()) {
+        if self.has_group_speeds() {
             line("phase speed ω/k", &[], LINE_WIDTH, INK);
             line("group speed dω/dk", GROUP_SPEED_DASHES, LINE_WIDTH, INK);
         }
         let has_measured = self.branches.iter().any(|branch| !branch.measured_frequency.is_empty());
-        if !self.cutoffs.is_empty() {
+        if has_drawn_level(&self.cutoffs, self.is_frequency_log) {
             line("cut-off frequency", CUTOFF_DASHES, LEVEL_LINE_WIDTH, PALE_INK);
         }
-        if !self.speed_limits.is_empty() {
+        if has_drawn_level(&self.speed_limits, false) {
             line("limit of the speed", SPEED_LIMIT_DASHES, LEVEL_LINE_WIDTH, PALE_INK);
         }
         if has_measured {
@@ -75,4 +75,9 @@ impl DispersionFigure {
         }
         entries
     }
+}
+
+/// Returns whether a level is on its axis, which covers all finite levels, on a logarithmic axis the positive ones.
+fn has_drawn_level(levels: &[ReferenceLevel], is_log: bool) -> bool {
+    levels.iter().any(|level| level.value.is_finite() && (!is_log || level.value > 0.0))
 }

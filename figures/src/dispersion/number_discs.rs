@@ -30,6 +30,7 @@ pub(crate) fn draw_number_disc(
 
 /// Draws the ring of a measured point.
 pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
+    picture.mark_point(place, RING_RADIUS);
     picture.fill_disc(place, RING_RADIUS + 1.5, WHITE);
     picture.fill_disc(place, RING_RADIUS, colour);
     picture.fill_disc(place, RING_RADIUS - 3.5, WHITE);
@@ -38,6 +39,7 @@ pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
 /// Draws the mark of a measured point that disagrees: a red cross over its ring.
 pub(super) fn draw_disagreement(picture: &mut Picture, [x, y]: Point) {
     const HALF: f64 = RING_RADIUS + 4.0;
+    picture.mark_point([x, y], HALF);
     for (width, colour) in [(6.5, WHITE), (3.5, DISAGREEMENT_COLOUR)] {
         for sign in [-1.0, 1.0] {
             picture.draw_line(

@@ -8,11 +8,9 @@ use super::labels::{LABEL_SIZE, densify, place_branch_number, place_text};
 use super::number_discs::{
     RING_RADIUS, draw_disagreement, draw_number_disc, draw_ring, number_disc_area,
 };
-use super::styles::{
-    BAND_COLOUR, BRANCH_COLOURS, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH, branch_width,
-};
+use super::styles::{BAND_COLOUR, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH};
 use crate::directions::spread_heights;
-use crate::growth::{GRID_COLOUR, LINEAR_RANGE_COLOUR};
+use crate::growth::{GRID_COLOUR, LINEAR_RANGE_COLOUR, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH};
 use crate::picture::{
     Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, clip_polyline, text_width,
@@ -26,6 +24,8 @@ pub(super) struct DispersionPanel<'a> {
     pub(super) y_scale: AxisScale,
     /// Points of the solid line of each branch.
     pub(super) solid_lines: Vec<Vec<Point>>,
+    /// Style of the solid line of each branch.
+    pub(super) styles: Vec<LineStyle>,
     /// Points of the dashed line of each branch.
     pub(super) dashed_lines: Vec<Vec<Point>>,
     /// Measured points of each branch, drawn as rings.
@@ -156,15 +156,12 @@ impl DispersionPanel<'_> {
         dashed: &[Vec<Vec<Point>>],
     ) {
         let frame = self.frame;
-        for (lines, pattern) in [(dashed, GROUP_SPEED_DASHES), (solid, &[])] {
+        for (lines, is_solid) in [(dashed, false), (solid, true)] {
             for (branch, parts) in lines.iter().enumerate() {
                 for part in parts {
-                    picture.draw_curve(
-                        part,
-                        pattern,
-                        branch_width(branch),
-                        BRANCH_COLOURS[branch % BRANCH_COLOURS.len()],
-                    );
+                    let style = self.styles[branch];
+                    let pattern = if is_solid { style.dashes } else { GROUP_SPEED_DASHES };
+                    picture.draw_curve(part, pattern, style.width, style.colour);
                 }
             }
         }
@@ -177,7 +174,7 @@ impl DispersionPanel<'_> {
                     && y > frame.top + RING_RADIUS
                     && y < frame.bottom - RING_RADIUS
                 {
-                    draw_ring(picture, place, BRANCH_COLOURS[branch % BRANCH_COLOURS.len()]);
+                    draw_ring(picture, place, self.styles[branch].colour);
                 }
             }
         }
@@ -227,12 +224,7 @@ impl DispersionPanel<'_> {
                 .collect();
             if let Some(at) = place_branch_number(parts, &others, frame, &occupied) {
                 occupied.push(number_disc_area(at));
-                draw_number_disc(
-                    picture,
-                    at,
-                    branch + 1,
-                    BRANCH_COLOURS[branch % BRANCH_COLOURS.len()],
-                );
+                draw_number_disc(picture, at, branch + 1, self.styles[branch].colour);
             }
         }
     }

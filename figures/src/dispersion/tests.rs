@@ -84,3 +84,51 @@ fn phase_speeds_near_a_cutoff_do_not_stretch_the_axis() {
     let [_, _, speed, _] = figure.axis_scales();
     assert!(speed.high > 1.4 && speed.high < 2.0 && speed.low == 0.0, "{}", speed.high);
 }
+
+/// The legend lists what is drawn: no levels that are infinite or, on a logarithmic axis, not positive.
+#[test]
+fn legend_lists_drawn_levels_only() {
+    let listed = |levels: &[f64], log: bool| {
+        let figure = sample_figure(&[[0.1, 1.0], [10.0, 100.0]], levels, log);
+        let picture = figure.to_picture();
+        let has = |name: &str| picture.texts().any(|text| text.content == name);
+        [has("cut-off frequency"), has("limit of the speed")]
+    };
+    assert_eq!(listed(&[3.0], true), [true, true]);
+    assert_eq!(listed(&[0.0], true), [false, true]);
+    assert_eq!(listed(&[f64::INFINITY, f64::NAN], false), [false, false]);
+    assert_eq!(listed(&[], false), [false, false]);
+}
+
+/// Branches of figures without group speeds differ in colour, dashes or width, so that coincident ones stay visible.
+#[test]
+fn branches_without_group_speeds_have_distinct_styles() {
+    let mut figure = sample_figure(&[[0.1, 1.0], [10.0, 100.0]], &[], false);
+    figure.branches = (0..10).map(|index| figure.branches[index % 3].clone()).collect();
+    for branch in &mut figure.branches {
+        branch.group_speed.clear();
+    }
+    let styles: Vec<_> = (0..10).map(|branch| figure.branch_style(branch)).collect();
+    for (index, one) in styles.iter().enumerate() {
+        for other in &styles[..index] {
+            let is_same =
+                (one.dashes, one.width, one.colour) == (other.dashes, other.width, other.colour);
+            assert!(!is_same, "{index}");
+        }
+        let dashes = [&styles[0], one].map(|own| (own.dashes, own.width));
+        assert!(index == 0 || index >= 8 || dashes[0] != dashes[1], "{index}");
+    }
+}
+
+/// Neutral branches, at zero frequency, are above the lower edge of the frame.
+#[test]
+fn neutral_branches_are_inside_the_frame() {
+    let mut figure = sample_figure(&[[0.1, 1.0], [10.0, 100.0]], &[], false);
+    let lows = |figure: &DispersionFigure| {
+        let [_, frequency, speed, _] = figure.axis_scales();
+        [frequency.low, speed.low]
+    };
+    assert_eq!(lows(&figure), [0.0, 0.0]);
+    figure.branches[1].frequency = vec![[0.1, 0.0], [10.0, 0.0]];
+    assert!(lows(&figure).iter().all(|low| *low < 0.0), "{:?}", lows(&figure));
+}

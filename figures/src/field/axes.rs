@@ -22,7 +22,7 @@ impl FieldFigure {
         page::draw_bottom_axis(picture, frame, &remove_overlapping_labels(x_ticks, false), "");
         // The name may be wider than a narrow frame.
         let middle = 0.5 * (frame.left + frame.right);
-        let name_width = 2.0 * (middle - MARGIN).min(page::WIDTH - MARGIN - middle);
+        let name_width = 2.0 * (middle - MARGIN).min(page::width() - MARGIN - middle);
         let (label_text, size) = page::fit_text(
             &format_stretched_name(&self.x.label, layout.stretch[0]),
             AXIS_NAME_SIZE,
@@ -52,7 +52,8 @@ impl FieldFigure {
         }
         let left = layout.frame.left - 60.0;
         let name = format_stretched_name(&self.y.label, layout.stretch[1]);
-        let (label_text, size) = page::fit_text(&name, AXIS_NAME_SIZE, page::WIDTH - MARGIN - left);
+        let (label_text, size) =
+            page::fit_text(&name, AXIS_NAME_SIZE, page::width() - MARGIN - left);
         Some(Text::new(
             [left, layout.frame.top - 0.7 * AXIS_NAME_SIZE],
             Anchor::Start,

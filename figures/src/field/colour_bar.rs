@@ -5,7 +5,7 @@ use super::contours::{Contours, draw_contour_line, draw_hatching};
 use super::figure::FieldFigure;
 use super::ticks::remove_overlapping_labels;
 use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, TICK_LABEL_SIZE};
-use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE};
+use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE, text_width};
 use crate::scale::Tick;
 use crate::verdict_map::ARROW_LENGTH;
 
@@ -132,8 +132,9 @@ impl FieldFigure {
             .map(|(value, label)| (bar.position(scale.fraction(value)), label))
             .collect();
         let area = bar.area;
+        let root_note = if page::is_narrow() { "root scale" } else { "colours by its square root" };
         let name = match scale.is_root && !self.label.is_empty() {
-            true => format!("{}, colours by its square root", self.label),
+            true => format!("{}, {root_note}", self.label),
             false => self.label.clone(),
         };
         if !bar.is_vertical {
@@ -152,11 +153,14 @@ impl FieldFigure {
                 picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
             }
         }
-        let (name, size) = page::fit_text(&name, AXIS_NAME_SIZE, area.height());
+        // On a narrow page, where bars are short, a long name extends beside the axis below the frame.
+        let space_below = if page::is_narrow() { page::BOTTOM_AXIS_HEIGHT - 20.0 } else { 0.0 };
+        let (name, size) = page::fit_text(&name, AXIS_NAME_SIZE, area.height() + space_below);
+        let overflow = (text_width(&name, size, false) - area.height()).max(0.0);
         if !name.is_empty() {
             let x =
                 area.right + 14.0 + page::max_label_width(&ticks) + 12.0 + 0.76 * AXIS_NAME_SIZE;
-            let at = [x, 0.5 * (area.top + area.bottom)];
+            let at = [x, 0.5 * (area.top + area.bottom + overflow)];
             picture
                 .draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
         }

@@ -37,7 +37,7 @@ impl FieldFigure {
     /// colour scale is not positive and finite, or rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
         let output = output.into();
-        self.to_picture(output.format)?.render(output)
+        output.lay_out(|| self.to_picture(output.format))?.render(output)
     }
 
     /// Determines layout, legend, contours and borders. The legend depends on the drawn elements, whose positions
@@ -66,7 +66,7 @@ impl FieldFigure {
                 widest_texts.push(entry.widest_text);
                 listed.push((entry.text, entry.swatch));
             }
-            Legend::with_reserved_texts(listed, &widest_texts, page::WIDTH - 2.0 * MARGIN)
+            Legend::with_reserved_texts(listed, &widest_texts, page::width() - 2.0 * MARGIN)
         };
         // Figures with a fixed scale reserve the legend height that other frames may need.
         let legend_height = |legend: &Legend, omitted_names| {

@@ -69,7 +69,7 @@ pub struct FieldFigure {
     pub limit: Option<f64>,
     /// Fixed limit of the colour scale, in the unit of `label`, independent of the values; overrides `limit`. Figures
     /// with the same fixed scale have the same colours, colour bar and layout, as required for the frames of an
-    /// [`crate::GifAnimation`]; negative values of an unsigned quantity then count as beyond the scale.
+    /// [`crate::Animation`]; negative values of an unsigned quantity then count as beyond the scale.
     pub fixed_limit: Option<f64>,
     /// Whether colours follow the square root of the magnitude, so that waves a tenth as strong as the strongest are
     /// visible; stated at the colour bar.

@@ -45,10 +45,10 @@ impl FieldFigure {
         legend_height: f64,
     ) -> FieldLayout {
         let below = (page::BOTTOM_AXIS_HEIGHT + 22.0 + legend_height + MARGIN - 12.0).ceil();
-        let max_height = page::HEIGHT.max(top + 480.0 + below) - top - below;
+        let max_height = page::height().max(top + page::scale_height(480.0) + below) - top - below;
         let [x, y] = [&self.x, &self.y].map(|axis| (axis.end - axis.start).abs());
         let ratio = x / y;
-        let content_width = page::WIDTH - 2.0 * MARGIN;
+        let content_width = page::width() - 2.0 * MARGIN;
         let about = (content_width / ratio).min(max_height).max(MIN_FRAME_LENGTH);
         let axis = page::left_axis_width(&Self::axis_ticks(&self.y, about, true));
         let wide = content_width - axis - TICK_LABEL_MARGIN;

@@ -99,7 +99,7 @@ impl FieldFigure {
     }
 }
 
-pub(super) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKind) {
+pub(crate) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKind) {
     for (more, colour) in [(3.0, WHITE), (0.0, INK)] {
         match kind {
             FieldMarkKind::Source => {

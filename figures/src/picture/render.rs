@@ -29,6 +29,9 @@ impl Picture {
             let options = FigureOptions { has_heading: true, ..options };
             return self.without_headings().render(FigureOutput { format, options });
         }
+        if options.lists_covering_texts {
+            return Ok(self.find_covering_texts().join("\n").into_bytes());
+        }
         match format {
             FigureFormat::Svg => self.render_svg(&options),
             FigureFormat::Png if options == FigureOptions::default() => {

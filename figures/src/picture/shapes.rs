@@ -1,8 +1,6 @@
 //! Shapes of a picture.
 
-#[cfg(test)]
-use super::geometry::clip_polyline;
-use super::geometry::{Point, Rectangle, circle_points, split_into_dashes};
+use super::geometry::{Point, Rectangle, circle_points, clip_polyline, split_into_dashes};
 use super::scaling::Heading;
 use super::text::{Colour, Text};
 use std::ops::Range;
@@ -21,11 +19,13 @@ pub(crate) struct Picture {
     pub height: u32,
     pub(super) shapes: Vec<PictureShape>,
     pub(super) headings: Vec<Heading>,
+    /// Areas of marked points, which no text may cover.
+    marked_areas: Vec<Rectangle>,
 }
 
 impl Picture {
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, shapes: Vec::new(), headings: Vec::new() }
+        Self { width, height, shapes: Vec::new(), headings: Vec::new(), marked_areas: Vec::new() }
     }
 
     pub fn fill_rectangle(&mut self, area: Rectangle, colour: Colour) {
@@ -44,6 +44,12 @@ impl Picture {
 
     pub fn fill_disc(&mut self, centre: Point, radius: f64, colour: Colour) {
         self.fill_polygon(circle_points(centre, radius, 24), colour);
+    }
+
+    /// Declares the disc of a marked point, such as a measurement, which no text may cover.
+    pub fn mark_point(&mut self, [x, y]: Point, radius: f64) {
+        let [left, top, right, bottom] = [x - radius, y - radius, x + radius, y + radius];
+        self.marked_areas.push(Rectangle { left, top, right, bottom });
     }
 
     pub fn draw_line(&mut self, points: impl Into<Vec<Point>>, width: f64, colour: Colour) {
@@ -106,6 +112,12 @@ impl Picture {
             let Range { start, end } = heading.shapes;
             Heading { shapes: start + count..end + count, ..heading }
         };
+        let shift_down = |area: Rectangle| Rectangle {
+            top: area.top + offset,
+            bottom: area.bottom + offset,
+            ..area
+        };
+        self.marked_areas.extend(other.marked_areas.into_iter().map(shift_down));
         self.headings.extend(other.headings.into_iter().map(shift));
         self.width = self.width.max(other.width);
         self.height += other.height;
@@ -121,17 +133,38 @@ impl Picture {
         })
     }
 
-    /// Panics if a text extends beyond the picture or overlaps another text or a curve. Numbers on discs, in bold, mark
-    /// their curves.
+    /// Panics if [`find_covering_texts`](Self::find_covering_texts) finds a text.
     #[cfg(test)]
     pub fn assert_texts_do_not_overlap(&self) {
-        let texts: Vec<&Text> = self.texts().collect();
+        let found = self.find_covering_texts();
+        assert!(found.is_empty(), "{found:?}");
+    }
+
+    /// Describes each text that extends beyond the picture, overlaps another text, or covers a curve or a marked point.
+    /// Numbers on discs, in bold, mark their curves and may cover them.
+    pub(super) fn find_covering_texts(&self) -> Vec<String> {
+        let texts: Vec<&Text> = self
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                PictureShape::Text(text) => Some(text),
+                _ => None,
+            })
+            .collect();
+        let page = [f64::from(self.width), f64::from(self.height)];
+        let mut found = Vec::new();
         for (index, text) in texts.iter().enumerate() {
             let bounds = text.bounds();
-            assert!(bounds.left >= 0.0 && bounds.right <= f64::from(self.width), "{text:?}");
-            assert!(bounds.top >= 0.0 && bounds.bottom <= f64::from(self.height), "{text:?}");
-            for other in &texts[..index] {
-                assert!(!bounds.is_overlapping(&other.bounds()), "{text:?} on {other:?}");
+            let mut report = |place: &str| found.push(format!("'{}' {place}", text.content));
+            if bounds.left < 0.0
+                || bounds.right > page[0]
+                || bounds.top < 0.0
+                || bounds.bottom > page[1]
+            {
+                report("beyond the picture");
+            }
+            for other in texts[..index].iter().filter(|own| bounds.is_overlapping(&own.bounds())) {
+                report(&format!("on '{}'", other.content));
             }
             let inner = Rectangle {
                 left: bounds.left + 1.0,
@@ -145,7 +178,17 @@ impl Picture {
                 }
                 _ => false,
             };
-            assert!(text.is_bold || !self.shapes.iter().any(is_crossing), "{text:?} on a curve");
+            let is_number_on_disc = text.is_bold && text.font_size <= MAX_DISC_NUMBER_SIZE;
+            if !is_number_on_disc && self.shapes.iter().any(is_crossing) {
+                report("on a curve");
+            }
+            if self.marked_areas.iter().any(|area| area.is_overlapping(&inner)) {
+                report("on a marked point");
+            }
         }
+        found
     }
 }
+
+/// Largest font size of numbers on discs, pixels; other texts in bold are titles.
+const MAX_DISC_NUMBER_SIZE: f64 = 20.0;

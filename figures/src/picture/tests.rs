@@ -128,3 +128,27 @@ fn text_is_drawn_within_its_bounds() {
         assert_eq!(ink, inside, "upwards: {upwards}");
     }
 }
+
+/// Verifies that texts over curves, marked points, texts and edges are listed, and that numbers on discs may cover curves.
+#[test]
+fn covering_texts_are_listed() {
+    let place = |x: f64, y: f64, content: &str| Text::new([x, y], Anchor::Start, 20.0, content);
+    let found = |texts: Vec<Text>| {
+        let mut picture = Picture::new(300, 300);
+        picture.draw_curve(&[[0.0, 100.0], [300.0, 100.0]], &[], 3.0, INK);
+        picture.draw_line([[0.0, 200.0], [300.0, 200.0]], 3.0, INK);
+        picture.mark_point([150.0, 250.0], 8.0);
+        texts.into_iter().for_each(|text| picture.draw_text(text));
+        picture.find_covering_texts()
+    };
+    assert!(found(vec![place(50.0, 80.0, "free"), place(50.0, 205.0, "grid")]).is_empty());
+    assert_eq!(found(vec![place(50.0, 106.0, "label")]), ["'label' on a curve"]);
+    assert_eq!(found(vec![place(140.0, 255.0, "label")]), ["'label' on a marked point"]);
+    assert_eq!(found(vec![place(290.0, 50.0, "label")]), ["'label' beyond the picture"]);
+    let two = vec![place(50.0, 50.0, "first"), place(60.0, 50.0, "second")];
+    assert_eq!(found(two), ["'second' on 'first'"]);
+    let number = Text { is_bold: true, ..place(50.0, 106.0, "3") };
+    assert!(found(vec![number.clone()]).is_empty());
+    let title = Text { font_size: 38.0, ..number };
+    assert_eq!(found(vec![title]), ["'3' on a curve"]);
+}

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::colour_map::LINE_SET_RIM;
 use super::raster::VerdictRaster;
 use crate::contour::{GridEdge, join_segments};
-use crate::picture::{Colour, INK, Picture, Point, Rectangle};
+use crate::picture::{Colour, INK, Picture, Point, Rectangle, circle_points};
 
 /// Part of a square between four neighbouring points that belongs to one category, in units of the square.
 pub(super) struct Piece {
@@ -20,6 +20,8 @@ pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 
 /// Width of the line that stands for a set of cells without area, pixels.
 const LINE_SET_WIDTH: f64 = 5.0;
+/// Radius of the disc that stands for a single point, as a multiple of the width of lines.
+const POINT_SET_SCALE: f64 = 1.0;
 
 /// Squares between neighbouring points of a raster that belong to several categories.
 pub(super) struct Boundaries {
@@ -196,7 +198,32 @@ pub(super) fn draw_borders(
     }
 }
 
-/// Draws the sets of cells without area as lines through their points, in the colours of their categories.
+/// Returns the part of a polygon inside the frame; empty if there is none.
+fn clip_to_frame(polygon: Vec<Point>, frame: Rectangle) -> Vec<Point> {
+    let sides: [&dyn Fn(Point) -> f64; 4] = [
+        &|[x, _]| x - frame.left,
+        &|[x, _]| frame.right - x,
+        &|[_, y]| y - frame.top,
+        &|[_, y]| frame.bottom - y,
+    ];
+    sides.into_iter().fold(polygon, |part, distance| cut_polygon(&part, distance))
+}
+
+/// Returns the area of a line segment of a width, with square ends.
+fn segment_area([from, to]: [Point; 2], width: f64) -> Vec<Point> {
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let half = 0.5 * width / length;
+    let [along_x, along_y] = [half * (to[0] - from[0]), half * (to[1] - from[1])];
+    vec![
+        [from[0] - along_x + along_y, from[1] - along_y - along_x],
+        [to[0] + along_x + along_y, to[1] + along_y - along_x],
+        [to[0] + along_x - along_y, to[1] + along_y + along_x],
+        [from[0] - along_x - along_y, from[1] - along_y + along_x],
+    ]
+}
+
+/// Draws the sets of cells without area as lines through their points, in the colours of their categories, and points
+/// without neighbours in the set as discs.
 pub(super) fn draw_line_sets(
     picture: &mut Picture,
     frame: Rectangle,
@@ -208,6 +235,7 @@ pub(super) fn draw_line_sets(
         raster.is_line[cell].then(|| raster.categories[cell])
     };
     let mut segments: Vec<([Point; 2], u8)> = Vec::new();
+    let mut is_joined = vec![false; raster.is_line.len()];
     for (i, j) in (0..raster.rows).flat_map(|j| (0..raster.columns).map(move |i| (i, j))) {
         let Some(own) = category([i, j]) else { continue };
         let is_same = |at: [usize; 2]| {
@@ -224,20 +252,48 @@ pub(super) fn draw_line_sets(
         if i > 0 && is_same([i - 1, j + 1]) && !is_same([i - 1, j]) && !is_same([i, j + 1]) {
             next.push([i - 1, j + 1]);
         }
+        for [i, j] in next.iter().copied().chain((!next.is_empty()).then_some([i, j])) {
+            is_joined[raster.cell_index(i, j)] = true;
+        }
         let here = raster.place(frame, [i as f64, j as f64]);
         let place = |[i, j]: [usize; 2]| raster.place(frame, [i as f64, j as f64]);
         segments.extend(next.into_iter().map(|at| ([here, place(at)], own)));
     }
     for (rim, width) in [(true, LINE_SET_WIDTH + 2.0 * LINE_SET_RIM), (false, LINE_SET_WIDTH)] {
+        let mut fill = |area: Vec<Point>, category: u8| {
+            let area = clip_to_frame(area, frame);
+            if area.len() > 2 {
+                picture.fill_polygon(area, if rim { INK } else { colour(category) });
+            }
+        };
         for (ends, category) in &segments {
-            picture.draw_line(*ends, width, if rim { INK } else { colour(*category) });
+            fill(segment_area(*ends, width), *category);
+        }
+        for (i, j) in (0..raster.rows).flat_map(|j| (0..raster.columns).map(move |i| (i, j))) {
+            let Some(own) = category([i, j]).filter(|_| !is_joined[raster.cell_index(i, j)]) else {
+                continue;
+            };
+            let centre = raster.place(frame, [i as f64, j as f64]);
+            fill(circle_points(centre, POINT_SET_SCALE * width, 24), own);
         }
     }
 }
 
-/// Draws the swatch of a set of cells without area.
-pub(super) fn draw_line_set_swatch(picture: &mut Picture, area: Rectangle, colour: Colour) {
+/// Draws the swatch of a set of cells without area; `is_point` for single points.
+pub(super) fn draw_line_set_swatch(
+    picture: &mut Picture,
+    area: Rectangle,
+    colour: Colour,
+    is_point: bool,
+) {
     let y = 0.5 * (area.top + area.bottom);
+    if is_point {
+        let centre = [0.5 * (area.left + area.right), y];
+        let rim = POINT_SET_SCALE * (LINE_SET_WIDTH + 2.0 * LINE_SET_RIM);
+        picture.fill_disc(centre, rim, INK);
+        picture.fill_disc(centre, POINT_SET_SCALE * LINE_SET_WIDTH, colour);
+        return;
+    }
     let ends = [[area.left, y], [area.right, y]];
     picture.draw_line(ends, LINE_SET_WIDTH + 2.0 * LINE_SET_RIM, INK);
     picture.draw_line(ends, LINE_SET_WIDTH, colour);

@@ -17,7 +17,7 @@ pub(super) fn draw_curve(picture: &mut Picture, points: &[Point], index: usize) 
     // The white rim keeps dashes visible on dark shades; gaps show the cells below.
     for dash in split_into_dashes(points, pattern) {
         picture.draw_line(extend_ends(&dash, 1.5), 6.0, WHITE);
-        picture.draw_line(dash, 3.0, colour);
+        picture.draw_curve(&dash, &[], 3.0, colour);
     }
 }
 

@@ -81,11 +81,13 @@ impl VerdictMap {
         }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
 
+        let across = |share: f64| frame.left + share * frame.width();
+        let upwards = |share: f64| frame.bottom - share * frame.height();
         let placed = |ticks: Vec<Tick>, place: &dyn Fn(f64) -> f64| -> Vec<Tick> {
-            ticks.into_iter().map(|(value, label)| (place(value), label)).collect()
+            ticks.into_iter().map(|(share, label)| (place(share), label)).collect()
         };
-        page::draw_bottom_axis(&mut picture, frame, &placed(x_ticks, &place_x), &self.x.label);
-        page::draw_left_axis(&mut picture, frame, &placed(y_ticks, &place_y), &self.y.label);
+        page::draw_bottom_axis(&mut picture, frame, &placed(x_ticks, &across), &self.x.label);
+        page::draw_left_axis(&mut picture, frame, &placed(y_ticks, &upwards), &self.y.label);
         if let Some(range) = &range {
             self.draw_colour_bar(&mut picture, frame, range, &bar_ticks);
         }

@@ -2,13 +2,16 @@
 
 use crate::error::FigureError;
 
-/// Axis of a verdict map: a uniform grid of at least one point, ascending or descending.
+/// Axis of a verdict map: a uniform grid of at least one point, ascending or descending; of a logarithmic axis, the
+/// logarithms are uniformly spaced.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictMapAxis {
     /// Name, symbol and unit.
     pub label: String,
     /// Values at the grid points, in the unit of the label.
     pub values: Vec<f64>,
+    /// Whether the axis is logarithmic; its values are then positive.
+    pub is_log: bool,
 }
 
 /// Hatching of ill-posed cells, in pairs of a white and a dark line, which are visible on every shade.

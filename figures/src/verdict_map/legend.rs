@@ -26,10 +26,12 @@ impl VerdictMap {
             match counts[index] {
                 [0, 0] => continue,
                 [0, _] => {
+                    let is_point = !self.has_neighbours_on_line(index);
                     let swatch = move |picture: &mut Picture, area: Rectangle| {
-                        draw_line_set_swatch(picture, area, ground);
+                        draw_line_set_swatch(picture, area, ground, is_point);
                     };
-                    entries.push((format!("{} (on lines, 0 %)", category.label), Box::new(swatch)));
+                    let place = if is_point { "at single points" } else { "on lines" };
+                    entries.push((format!("{} ({place}, 0 %)", category.label), Box::new(swatch)));
                     continue;
                 }
                 _ => {}
@@ -74,5 +76,20 @@ impl VerdictMap {
             }
         }
         entries
+    }
+
+    /// Returns whether two neighbouring points, diagonal ones included, of a category are on lines.
+    fn has_neighbours_on_line(&self, category: usize) -> bool {
+        let (columns, rows) = (self.x.values.len(), self.y.values.len());
+        let is_own = |i: usize, j: usize| {
+            let cell = j * columns + i;
+            usize::from(self.category_indices[cell]) == category
+                && self.is_line.get(cell).copied().unwrap_or(false)
+        };
+        let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+        cells.filter(|&(i, j)| is_own(i, j)).any(|(i, j)| {
+            let next = [(i + 1, j), (i, j + 1), (i + 1, j + 1), (i.wrapping_sub(1), j + 1)];
+            next.into_iter().any(|(i, j)| i < columns && j < rows && is_own(i, j))
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! Tests of verdict maps.
 
+use super::axes::AxisExtent;
 use super::colour_map::{INFINITE_LEVEL_COLOUR, SHADE_COUNT, shade_colour};
 use super::figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use super::hatching::category_fill;
@@ -16,6 +17,7 @@ fn sample_map(columns: usize, rows: usize) -> VerdictMap {
     let axis = |label: &str, points: usize| VerdictMapAxis {
         label: label.to_owned(),
         values: (0..points).map(|index| 10.0 * index as f64).collect(),
+        is_log: false,
     };
     let ill_posed = |cell: usize| 2 * (cell % columns) >= columns;
     let level = |cell: usize| {
@@ -111,6 +113,39 @@ fn sets_without_area_are_drawn_as_lines() {
     assert_ne!(without, map.draw(FigureFormat::Png).unwrap());
     map.boundaries = [vec![1.0; 81], vec![0.0; 81]];
     check_map(&map);
+}
+
+/// Single points of a set without area are drawn as discs, inside the frame.
+#[test]
+fn single_points_without_area_are_drawn_as_discs() {
+    let mut map = sample_map(9, 9);
+    map.category_indices = (0..81).map(|cell| u8::from(cell != 0 && cell != 8)).collect();
+    map.growth_levels.fill(1.0);
+    map.curves.clear();
+    map.is_line = (0..81).map(|cell| cell == 0 || cell == 8).collect();
+    check_map(&map);
+    let texts = picture_texts(&map);
+    assert!(texts.iter().any(|text| text == "well-posed (at single points, 0 %)"), "{texts:?}");
+}
+
+/// Positions on a logarithmic axis are logarithms, its ticks are at decades and, without labels, between them.
+#[test]
+fn logarithmic_axes_have_ticks_at_decades() {
+    let mut map = sample_map(10, 4);
+    (map.x.values, map.x.is_log) =
+        ((0..10).map(|i| 10_f64.powf(f64::from(i) / 3.0)).collect(), true);
+    map.curves[0].points = vec![[100.0, 0.0], [100.0, 30.0]];
+    check_map(&map);
+    let texts = picture_texts(&map);
+    for expected in ["1", "10", "10²", "10³"] {
+        assert!(texts.iter().any(|text| text == expected), "{expected} not in {texts:?}");
+    }
+    let extent = AxisExtent::from_axis(&map.x).unwrap();
+    assert!((extent.fraction(100.0) - 2.0 / 3.0).abs() < 1e-12);
+    let ticks = extent.ticks(&map.x, 1000.0, false);
+    assert_eq!(ticks.iter().filter(|(_, label)| label.is_empty()).count(), 3 * 8);
+    let fifty = extent.fraction(50.0);
+    assert!(ticks.iter().any(|(share, label)| label.is_empty() && (share - fifty).abs() < 1e-12));
 }
 
 #[test]
@@ -246,6 +281,7 @@ fn wrong_input_is_refused() {
     assert!(refused(&|map| map.x.values[1] = f64::NAN).contains("not a finite number"));
     assert!(refused(&|map| map.y.values[1] = 11.0).contains("not uniformly spaced"));
     assert!(refused(&|map| map.y.values.fill(1.0)).contains("does not extend"));
+    assert!(refused(&|map| map.y.is_log = true).contains("not positive"));
     assert!(refused(&|map| map.y.values = vec![-1e308, 0.0, 1e308]).contains("does not extend"));
 }
 

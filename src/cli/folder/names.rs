@@ -104,7 +104,7 @@ pub const COMPARISON_FILES: [&str; 11] = [
 /// Names of the files of `run`, in addition to the common files. Those of receivers, joints, snapshots, animation,
 /// dissipation, fluid and spectra are written only if the case has such output. Checkpoint and lock exist only until
 /// the run finishes. Snapshots have file names with an index, see [`is_snapshot_name`].
-pub const RUN_FILES: [&str; 27] = [
+pub const RUN_FILES: [&str; 28] = [
     "run.png",
     "run.svg",
     "seismograms.png",
@@ -118,6 +118,7 @@ pub const RUN_FILES: [&str; 27] = [
     "fluid.png",
     "fluid.svg",
     "animation.gif",
+    "animation.apng",
     JOINT_ARCHIVE_FILE,
     "joints.csv",
     "joints.vtp",

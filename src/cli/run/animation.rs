@@ -5,25 +5,30 @@ use crate::cli::CommandError;
 use crate::cli::folder::{
     OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot_name, joint_snapshot_file_name,
 };
+use crate::cli::progress::DelayedProgressBar;
 use crate::report::PictureOptions;
 use crate::report::run::{AnimationFrame, FrameConverter, FrameScale};
+use figures::AnimationFormat;
 use files::read_regular_file;
 use std::path::Path;
 
-/// File name of the animation.
-pub(in crate::cli) const ANIMATION_FILE: &str = "animation.gif";
+/// Returns the file name of the animation in a format.
+pub(in crate::cli) fn animation_file_name(format: AnimationFormat) -> String {
+    format!("animation.{}", format.extension())
+}
 
 /// Animation that is to be written to a results folder, if any.
 pub(in crate::cli) enum AnimationOutput {
-    /// The case requests no snapshots, there are fewer than two, or no pictures are drawn.
+    /// The case requests no snapshots, there are fewer than two, or no animations are drawn.
     NoAnimation,
-    /// All values are zero. An existing animation, which shows another quantity, must be removed.
-    AllZero,
-    /// Content of the GIF file.
-    Gif(Vec<u8>),
+    /// All values are zero. Existing animations, with these names, which show another quantity, must be removed.
+    AllZero([String; 2]),
+    /// Names and contents of the files.
+    Files(Vec<(String, Vec<u8>)>),
 }
 
-/// Draws the snapshots of a run as an animation with a common colour scale, if the case requests snapshots.
+/// Draws the snapshots of a run as animations with common scales, if the case requests snapshots, and shows the
+/// progress.
 ///
 /// # Errors
 /// A snapshot is missing or not of this case, or the animation cannot be drawn.
@@ -32,7 +37,8 @@ pub(in crate::cli) fn draw_animation(
     folder: &ResultFolder,
     pictures: &PictureOptions,
 ) -> Result<AnimationOutput, CommandError> {
-    if pictures.formats.is_empty() {
+    let formats = pictures.animation_formats();
+    if formats.is_empty() {
         return Ok(AnimationOutput::NoAnimation);
     }
     let Some(frames) = FrameConverter::new(case)? else { return Ok(AnimationOutput::NoAnimation) };
@@ -51,29 +57,43 @@ pub(in crate::cli) fn draw_animation(
     if names.len() < 2 {
         return Ok(AnimationOutput::NoAnimation);
     }
-    // Snapshots are read twice, for the scale and for the frames, to limit memory.
-    let all = || {
-        names.iter().enumerate().map(|(index, name)| -> Result<AnimationFrame, CommandError> {
-            let read =
-                |path: &Path| read_regular_file(path).map_err(|error| unreadable(path, error));
-            let path = folder.path().join(name);
-            let mut frame = frames
-                .read_frame(&read(&path)?)
-                .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
-            if frames.has_joints() {
-                let path = folder.path().join(joint_snapshot_file_name(index));
-                frames
-                    .read_joints(&mut frame, &read(&path)?)
+    let progress = DelayedProgressBar::new("animation", 0);
+    let step_count = (names.len() * (1 + formats.len())) as u64;
+    let (progress, frames, unreadable) = (&progress, &frames, &unreadable);
+    // Snapshots are read for the scale and for the frames of each file, to limit memory; `first` is the number of steps
+    // before.
+    let all = |first: usize| {
+        let read_frame =
+            move |(index, name): (usize, &String)| -> Result<AnimationFrame, CommandError> {
+                progress.advance_to((first + index) as u64, step_count);
+                let read =
+                    |path: &Path| read_regular_file(path).map_err(|error| unreadable(path, error));
+                let path = folder.path().join(name);
+                let mut frame = frames
+                    .read_frame(&read(&path)?)
                     .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
-            }
-            Ok(frame)
-        })
+                if frames.has_joints() {
+                    let path = folder.path().join(joint_snapshot_file_name(index));
+                    frames
+                        .read_joints(&mut frame, &read(&path)?)
+                        .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
+                }
+                Ok(frame)
+            };
+        names.iter().enumerate().map(read_frame)
     };
-    let scale = all().try_fold(FrameScale::default(), |scale, frame| {
-        Ok::<_, CommandError>(scale.max(frame?.scale()))
+    let scale = all(0).try_fold(FrameScale::default(), |scale, frame| {
+        Ok::<_, CommandError>(scale.and_later(frame?.scale()))
     })?;
-    if scale.max_magnitude == 0.0 {
-        return Ok(AnimationOutput::AllZero);
+    if scale.max_magnitude() == 0.0 {
+        let formats = [AnimationFormat::Gif, AnimationFormat::Apng];
+        return Ok(AnimationOutput::AllZero(formats.map(animation_file_name)));
     }
-    Ok(AnimationOutput::Gif(frames.draw_animation(scale, names.len(), all())?))
+    let draw = |(index, format): (usize, &AnimationFormat)| {
+        let snapshots = all((1 + index) * names.len());
+        let bytes = frames.draw_animation(*format, scale, names.len(), snapshots)?;
+        Ok((animation_file_name(*format), bytes))
+    };
+    let files: Result<_, CommandError> = formats.iter().enumerate().map(draw).collect();
+    Ok(AnimationOutput::Files(files?))
 }

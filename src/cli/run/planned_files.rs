@@ -1,5 +1,6 @@
 //! Names of the files that a run will write.
 
+use super::animation::animation_file_name;
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::folder::{
     AppendedFile, JOINT_SNAPSHOT_LIST_FILE, SNAPSHOT_LIST_FILE, has_joint_files,
@@ -67,9 +68,7 @@ pub(super) fn list_planned_file_names(
     names.push(AppendedFile::Log.name().to_owned());
     if interval > 0.0 {
         let last = RegularTimes::new(interval, duration).count_until(duration).saturating_sub(1);
-        if !pictures.formats.is_empty() {
-            names.push("animation.gif".to_owned());
-        }
+        names.extend(pictures.animation_formats().iter().copied().map(animation_file_name));
         let mut add_series = |list: &str, name: &dyn Fn(usize) -> String| {
             names.push(list.to_owned());
             match last {

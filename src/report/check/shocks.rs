@@ -125,7 +125,7 @@ impl ColumnCheck {
             y_label: y_label.into(),
             curves: vec![LabelledCurve { label: "solver".into(), points: measured }],
             reference_lines: vec![LabelledCurve { label: "exact solution".into(), points: exact }],
-            points: Vec::new(),
+            ..CurvePanel::default()
         };
         let exact = |value: fn(&crate::study::shocks::FrontState) -> f64| {
             let points = self.exact_profile.iter();
@@ -134,14 +134,22 @@ impl ColumnCheck {
         let measured = |value: fn(&[f64; 3]) -> f64| {
             self.measured_profile.iter().map(|own| [own[0], value(own)]).collect()
         };
-        [
-            panel(
-                "pressure −σ₁₁ (MPa)",
-                exact(|own| own.pressure / MEGAPASCAL),
-                measured(|own| own[2] / MEGAPASCAL),
-            ),
-            panel("velocity (m/s)", exact(|own| own.velocity), measured(|own| own[1])),
-        ]
+        let mut pressure = panel(
+            "pressure −σ₁₁ (MPa)",
+            exact(|own| own.pressure / MEGAPASCAL),
+            measured(|own| own[2] / MEGAPASCAL),
+        );
+        // Where no pressure remains, the axis shows the deviations beside the pressure of the pulse.
+        let scales = self.quantity_checks.iter().filter(|own| own.unit == "Pa");
+        let scale = scales.map(|own| own.scale / MEGAPASCAL).fold(0.0, f64::max);
+        let drawn = pressure.curves.iter().chain(&pressure.reference_lines);
+        let [least, greatest] = drawn
+            .flat_map(|curve| &curve.points)
+            .fold([0.0, scale], |[least, greatest]: [f64; 2], point| {
+                [least.min(point[1]), greatest.max(point[1])]
+            });
+        pressure.y_values = Some([least, greatest]);
+        [pressure, panel("velocity (m/s)", exact(|own| own.velocity), measured(|own| own[1]))]
     }
 }
 

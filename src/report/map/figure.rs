@@ -27,6 +27,7 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
             unit => format!("{} ({unit})", axis.label),
         },
         values: axis.values.clone(),
+        is_log: axis.spacing.is_some(),
     };
     let points = &found.points;
     // One category per order of growth, and for solids per type of speeds, by descending order.
@@ -147,13 +148,14 @@ fn parameter_symbol(label: &str) -> &str {
     }
 }
 
-/// Describes the model and all parameters of model, yield set and background that the map does not sweep, except those
-/// that are zero.
+/// Describes the model and all parameters of model, yield set, stress and background that the map does not sweep, except
+/// those that are zero.
 fn format_subtitle(case: &Case, found: &MapResult) -> String {
     let fixed = SweepParameter::all_parameters().filter_map(|parameter| {
         let name = parameter.name();
-        let is_of_state =
-            ["model.", "yield.", "background."].iter().any(|section| name.starts_with(section));
+        let is_of_state = ["model.", "yield.", "stress.", "background."]
+            .iter()
+            .any(|section| name.starts_with(section));
         let is_fixed = is_of_state
             && name != found.x.parameter
             && name != found.y.parameter
@@ -162,6 +164,14 @@ fn format_subtitle(case: &Case, found: &MapResult) -> String {
         is_fixed.then(|| {
             let symbol = parameter_symbol(&parameter.label()).to_owned();
             format!("{symbol} = {}{}", format_short(value), format_unit_suffix(parameter.unit()))
+        })
+    });
+    let of_equations = case.equations.iter().flat_map(|equations| {
+        let values = case.material.numbers.equation_numbers.iter();
+        equations.number_names().zip(values).filter_map(|([key, label, unit], value)| {
+            let is_fixed = *value != 0.0 && key != found.x.parameter && key != found.y.parameter;
+            is_fixed
+                .then(|| format!("{label} = {}{}", format_short(*value), format_unit_suffix(unit)))
         })
     });
     let space = match (case.material.kind, case.material.numbers.dimensions) {
@@ -179,6 +189,7 @@ fn format_subtitle(case: &Case, found: &MapResult) -> String {
         .chain(space)
         .chain(active)
         .chain(fixed)
+        .chain(of_equations)
         .collect::<Vec<_>>()
         .join(", ")
 }

@@ -107,12 +107,17 @@ impl MapResult {
 
     fn add_interval_lines(&self, lines: &mut Vec<String>) {
         let (x, y) = (&self.x, &self.y);
-        let step = if x.point_count > 1 { x.values[1] - x.values[0] } else { 0.0 };
-        lines.push(format!(
-            "Intervals of well-posed states, to within the grid step of {}{}:",
-            format_short(step.abs()),
-            format_unit_suffix(x.unit)
-        ));
+        let grid_step = match x.values[..] {
+            [first, second, ..] if x.spacing.is_some() => {
+                format!("the ratio of neighbouring points, {}", format_short(second / first))
+            }
+            [first, second, ..] => {
+                let step = format_short((second - first).abs());
+                format!("the grid step of {step}{}", format_unit_suffix(x.unit))
+            }
+            _ => format!("the grid step of 0{}", format_unit_suffix(x.unit)),
+        };
+        lines.push(format!("Intervals of well-posed states, to within {grid_step}:"));
         for intervals in &self.well_posed_intervals {
             let at = format!(
                 "  at {} = {}{}:",

@@ -110,8 +110,8 @@ fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "maximum Re ς over all roots; left: k = {} 1/m, degenerate directions dashed; right: in \
-             the worst direction at each k",
+            "maximum Re ς over all roots; left: k = {} 1/m, degenerate directions dashed; right: \
+             worst direction at each k",
             format_short(wave.wave_number),
         ),
         by_direction: GrowthPanel {

@@ -231,11 +231,11 @@ pub(in crate::report) fn axis_label(name: &str) -> String {
         "m" => ("couple stress", "m"),
         "u" => ("displacement", "u"),
         "phi" => ("rotation", "φ"),
-        "psi_deg" => return "stress angle ψ, °".to_owned(),
+        "psi_deg" => return "stress angle ψ (°)".to_owned(),
         "p" => ("pressure", "p"),
-        "slip" => return "slip of joints, m".to_owned(),
-        "opening" => return "opening of joints, m".to_owned(),
-        "pressure" => return "pressure of fluid p, Pa".to_owned(),
+        "slip" => return "slip of joints (m)".to_owned(),
+        "opening" => return "opening of joints (m)".to_owned(),
+        "pressure" => return "pressure of fluid p (Pa)".to_owned(),
         "shear_rate" => ("shear rate", "Q_D"),
         "excess_stress" => ("excess of the conditional stress", "s − σ"),
         "spring_stress" => ("stress of the spring", "b"),
@@ -243,7 +243,10 @@ pub(in crate::report) fn axis_label(name: &str) -> String {
         "volumetric_strain" => return "volumetric strain tr ε".to_owned(),
         "pore_closure" => return "closure of pores min(θ₀ + tr ε, 0)".to_owned(),
         "porosity" => return "porosity θ".to_owned(),
-        _ => return "plastic dissipation, J/m³".to_owned(),
+        _ => return "plastic dissipation (J/m³)".to_owned(),
     };
-    format!("{quantity} {symbol}{index}, {}", quantity_unit(name))
+    match quantity_unit(name) {
+        "1" => format!("{quantity} {symbol}{index}"),
+        unit => format!("{quantity} {symbol}{index} ({unit})"),
+    }
 }

@@ -77,20 +77,20 @@ pub(super) fn create_figure(
     let mut subtitle =
         format!("t = {} s, in the box that moves with the mean flow", format_short(time));
     let label = match picture {
-        None => "speed |v| of the perturbation, m/s".to_owned(),
+        None => "speed |v| of the perturbation (m/s)".to_owned(),
         Some(own @ FlowQuantity::Velocity(_)) => axis_label(own.name()),
         Some(own) => {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             values.iter_mut().for_each(|value| *value -= mean);
             let unit = quantity_unit(own.name()).replace("deg", "°");
             subtitle += &format!("; mean {} {unit}", format_short(mean));
-            axis_label(own.name()).replace(", ", " minus the mean, ")
+            axis_label(own.name()).replace(" (", " minus the mean (")
         }
     };
     let factors = interpolation_factors(run.grid.points);
     let [columns, rows] = [0, 1].map(|axis| run.grid.points[axis] * factors[axis]);
     let axis = |axis: usize| FieldAxis {
-        label: format!("x{} at t = 0, m", ["₁", "₂"][axis]),
+        label: format!("x{} at t = 0 (m)", ["₁", "₂"][axis]),
         start: 0.0,
         end: run.grid.lengths[axis],
     };
@@ -227,7 +227,7 @@ fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPic
         title: case_title(case),
         subtitle: "energy of the modes with n − ½ ≤ |m| < n + ½".to_owned(),
         x_label: "mode number n".to_owned(),
-        y_label: "kinetic energy, J/m³".to_owned(),
+        y_label: "kinetic energy (J/m³)".to_owned(),
         spectra: lines.collect(),
         measured_points: Vec::new(),
     };

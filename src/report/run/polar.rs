@@ -59,7 +59,7 @@ impl PolarRaster {
         };
         let samples = (0..columns * rows).map(|index| sample(grid, centre(index)));
         let axis = |name: &str, [start, end]: [f64; 2]| FieldAxis {
-            label: format!("{name}, m"),
+            label: format!("{name} (m)"),
             start,
             end,
         };
@@ -237,8 +237,8 @@ mod tests {
 
     #[test]
     fn symbols_have_polar_indices() {
-        assert_eq!(polar_label("stress σ₁₂, Pa"), "stress σ_θr, Pa");
-        assert_eq!(polar_label("velocity v₂, m/s"), "velocity v_r, m/s");
-        assert_eq!(polar_label("speed |v|, m/s"), "speed |v|, m/s");
+        assert_eq!(polar_label("stress σ₁₂ (Pa)"), "stress σ_θr (Pa)");
+        assert_eq!(polar_label("velocity v₂ (m/s)"), "velocity v_r (m/s)");
+        assert_eq!(polar_label("speed |v| (m/s)"), "speed |v| (m/s)");
     }
 }

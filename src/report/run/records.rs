@@ -57,14 +57,14 @@ pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPict
     }
     if !vanishing.is_empty() {
         // The name of the quantity is the text of the axis label before its unit.
-        let quantity = |name: &String| axis_label(name).split(',').next().map(str::to_owned);
+        let quantity = |name: &String| axis_label(name).split(" (").next().map(str::to_owned);
         let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
-        notes.push(format!("omitted: {} (at rounding level)", names.join(", ")));
+        notes.push(format!("omitted: {} (zero within rounding)", names.join(", ")));
     }
     let figure = SeismogramFigure {
         title: case_title(case),
         subtitle: notes.join(", "),
-        time_label: "time t, s".to_owned(),
+        time_label: "time t (s)".to_owned(),
         panels: panels
             .into_iter()
             .map(|(name, traces)| SeismogramPanel { label: axis_label(&name), traces })
@@ -82,21 +82,27 @@ fn machine_epsilon(case: &Case) -> f64 {
     }
 }
 
+/// Returns the greatest magnitude in traces; infinity if a value is not finite, which its panel shows.
+fn greatest_magnitude(traces: &[Trace]) -> f64 {
+    let all = traces.iter().flat_map(|trace| &trace.values);
+    all.fold(0.0, |sum, value| if value.is_finite() { sum.max(value.abs()) } else { f64::INFINITY })
+}
+
 /// Removes the panels of quantities that vanish within rounding and returns the names of these quantities. The
 /// reference is the largest value among all quantities of the same unit; plotted on a separate scale, rounding errors
-/// would look like motion. Panels that are exactly zero are kept. `rounding` is the machine epsilon.
+/// would look like motion. Panels that are exactly zero are removed too if others remain. `rounding` is the machine
+/// epsilon.
 fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
     /// Factor for the accumulation of rounding errors during a run.
     const ROUNDING_FACTOR: f64 = 256.0;
-    let greatest = |traces: &[Trace]| {
-        let all = traces.iter().flat_map(|trace| &trace.values);
-        all.fold(0.0, |sum: f64, value| sum.max(value.abs()))
-    };
-    let sizes: Vec<(&'static str, f64)> =
-        panels.iter().map(|(name, traces)| (quantity_unit(name), greatest(traces))).collect();
+    let sizes: Vec<(&'static str, f64)> = panels
+        .iter()
+        .map(|(name, traces)| (quantity_unit(name), greatest_magnitude(traces)))
+        .collect();
+    let has_motion = sizes.iter().any(|own| own.1 > 0.0);
     let vanishes = |&(unit, size): &(&str, f64)| {
-        let beside = sizes.iter().filter(|own| own.0 == unit).map(|own| own.1);
-        size <= ROUNDING_FACTOR * rounding * beside.fold(0.0, f64::max) && size > 0.0
+        let beside = sizes.iter().filter(|own| own.0 == unit && own.1.is_finite()).map(|own| own.1);
+        has_motion && size <= ROUNDING_FACTOR * rounding * beside.fold(0.0, f64::max)
     };
     let vanishing: Vec<bool> = sizes.iter().map(vanishes).collect();
     let mut names = Vec::new();
@@ -133,12 +139,12 @@ pub(super) fn create_ledger_picture(
     let figure = LedgerFigure {
         title: case_title(case),
         subtitle: String::new(),
-        time_label: "time t, s".to_owned(),
-        energy_label: format!("energy, {}", unit.replace("m3", "m³")),
+        time_label: "time t (s)".to_owned(),
+        energy_label: format!("energy ({})", unit.replace("m3", "m³")),
         times: times.values.clone(),
         terms,
         residual: LedgerTerm {
-            name: format!("{}, {}", balance.name, unit.replace("m3", "m³")),
+            name: format!("{} ({})", balance.name, unit.replace("m3", "m³")),
             ..balance
         },
     };

@@ -4,6 +4,7 @@ use super::display::axis_label;
 use super::fluid::FluidState;
 use super::joints::{JointLineScale, create_face_line_sets, create_line_sets};
 use super::polar::{PolarRaster, polar_label, reflect_components};
+use super::profile::create_profile;
 use super::records::{create_ledger_picture, create_seismograms, select_evenly_spaced_indices};
 use super::snapshot::read_array;
 use crate::case::Case;
@@ -13,9 +14,7 @@ use crate::case::dynamics::{
 use crate::report::ReportPicture;
 use crate::report::format::{case_title, format_short};
 use crate::study::simulate::{OutputFields, RunRecords, quantity_unit};
-use figures::{
-    CurvePanel, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LabelledCurve, PanelsFigure,
-};
+use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 use models::common::elementary::Elementary;
 use models::solid::waves::SolidField;
 use std::fmt::Write as _;
@@ -29,7 +28,7 @@ pub(super) fn create_pictures(
 ) -> Vec<ReportPicture> {
     let final_state = |stem, shown| {
         let figure = create_figure(case, solid_run, fields, shown);
-        match create_profile(&figure) {
+        match create_profile(&figure, None) {
             Some(profile) => ReportPicture::new(stem, move |format| profile.draw(format)),
             None => ReportPicture::new(stem, move |format| figure.draw(format)),
         }
@@ -85,7 +84,7 @@ fn create_fluid_figure(
         pressures,
     );
     Some(FieldFigure {
-        label: "pressure of fluid p, Pa".to_owned(),
+        label: "pressure of fluid p (Pa)".to_owned(),
         is_signed: true,
         contour_levels: None,
         arrows: Some(arrows),
@@ -148,40 +147,13 @@ fn create_figure(
 
 /// Returns whether most of the motion is weak beside a few cells, as body waves are beside a surface wave: more than a
 /// twentieth of the cells exceed a hundredth of the largest magnitude, fewer than one in 200 a quarter of it.
-fn has_weak_waves(values: &[f64]) -> bool {
+pub(super) fn has_weak_waves(values: &[f64]) -> bool {
     let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let share = |level: f64| {
         let above = values.iter().filter(|value| value.abs() > level * largest).count();
         above as f64 / values.len().max(1) as f64
     };
     largest.is_finite() && share(0.01) > 0.05 && share(0.25) < 0.005
-}
-
-/// Creates the curve of a field over a grid with a single row or column of cells, which does not depend on the other
-/// coordinate; `None` for other grids and fields with lines.
-fn create_profile(figure: &FieldFigure) -> Option<PanelsFigure> {
-    let axis = match [figure.columns, figure.rows] {
-        [1, count] if count > 1 => &figure.y,
-        [count, 1] if count > 1 => &figure.x,
-        _ => return None,
-    };
-    if !figure.line_sets.is_empty() || figure.body.is_some() {
-        return None;
-    }
-    let count = figure.values.len() as f64;
-    let place = |cell: usize| axis.start + (axis.end - axis.start) * (cell as f64 + 0.5) / count;
-    let points = figure.values.iter().enumerate().map(|(cell, value)| [place(cell), *value]);
-    Some(PanelsFigure {
-        title: figure.title.clone(),
-        subtitle: figure.subtitle.clone(),
-        panels: vec![CurvePanel {
-            x_label: axis.label.clone(),
-            y_label: figure.label.clone(),
-            curves: vec![LabelledCurve { label: String::new(), points: points.collect() }],
-            reference_lines: Vec::new(),
-            points: Vec::new(),
-        }],
-    })
 }
 
 /// Returns the value of a cell; 0 if it is absent.
@@ -317,7 +289,7 @@ impl<'a> PlaneSection<'a> {
         let axis = |axis: usize| {
             let [from, to] = grid.axis_bounds(axis);
             FieldAxis {
-                label: format!("x{}, m", ["₁", "₂", "₃"][axis]), start: from, end: to
+                label: format!("x{} (m)", ["₁", "₂", "₃"][axis]), start: from, end: to
             }
         };
         let mark = |at: &[f64], name: &str, kind: FieldMarkKind| {
@@ -336,7 +308,7 @@ impl<'a> PlaneSection<'a> {
         let receivers = solid_run.receivers.iter().enumerate();
         let sources = solid_run.sources.iter();
         let label = match picture {
-            PlottedQuantity::Speed => "speed |v|, m/s".to_owned(),
+            PlottedQuantity::Speed => "speed |v| (m/s)".to_owned(),
             _ => axis_label(&picture.name()),
         };
         let figure = match &self.polar {
@@ -360,6 +332,17 @@ impl<'a> PlaneSection<'a> {
                 ..FieldFigure::default()
             },
         };
+        let mut loads: Vec<FieldMark> = solid_run
+            .loads
+            .iter()
+            .filter_map(|load| mark(&self.load_position(load)?, "load", FieldMarkKind::Source))
+            .collect();
+        // Loads side by side, such as on the arcs on both sides of the angle 0, have one mark.
+        let least_distance = 0.03 * (figure.x.end - figure.x.start);
+        loads.dedup_by(|next, load| {
+            let [x, y] = [0, 1].map(|axis| next.position[axis] - load.position[axis]);
+            Elementary::root_sum_square(x, y) < least_distance
+        });
         FieldFigure {
             title: case_title(case),
             subtitle,
@@ -394,9 +377,7 @@ impl<'a> PlaneSection<'a> {
                         mark(&own.position, own.kind.name(), FieldMarkKind::Source)
                     }),
                 )
-                .chain(solid_run.loads.iter().filter_map(|load| {
-                    mark(&self.load_position(load)?, "load", FieldMarkKind::Source)
-                }))
+                .chain(loads)
                 .collect(),
             ..figure
         }

@@ -72,6 +72,7 @@ fn create_diagram_panel(
         curves,
         reference_lines: waves.iter().map(chord).collect(),
         points: states.map(|own| [own.strain / PERCENT, own.pressure / MEGAPASCAL]).collect(),
+        ..CurvePanel::default()
     }
 }
 
@@ -135,8 +136,7 @@ fn create_plane_panel(piston: &PistonResult) -> CurvePanel {
         x_label: "position x (m)".into(),
         y_label: TIME_LABEL.into(),
         curves: loading.chain(release).chain([profile]).collect(),
-        reference_lines: Vec::new(),
-        points: Vec::new(),
+        ..CurvePanel::default()
     }
 }
 
@@ -155,8 +155,7 @@ fn profile_panel(
         x_label: x_label.into(),
         y_label: y_label.into(),
         curves: profiles.iter().map(curve).collect(),
-        reference_lines: Vec::new(),
-        points: Vec::new(),
+        ..CurvePanel::default()
     }
 }
 
@@ -190,13 +189,13 @@ pub(super) fn create_spall_figure(
             points: vec![[0.0, 0.0], [strain / PERCENT, spall.pressure / MEGAPASCAL]],
         }],
         points: vec![[0.0, 0.0], [strain / PERCENT, spall.pressure / MEGAPASCAL]],
+        ..CurvePanel::default()
     };
     let plane = CurvePanel {
         x_label: "distance from the end d (m)".into(),
         y_label: TIME_LABEL.into(),
         curves: paths,
-        reference_lines: Vec::new(),
-        points: Vec::new(),
+        ..CurvePanel::default()
     };
     let distance = "distance from the end d (m)";
     let label = |time: f64| format!("profile at t = {} ms", format_short(time / MILLISECOND));

@@ -118,7 +118,7 @@ impl ShocksResult {
 }
 
 /// Head of a table of waves.
-const WAVE_HEAD: &str = "ahead ε, p, v → behind ε, p, v";
+const WAVE_HEAD: &str = "ahead ε, p (Pa), v (m/s) → behind ε, p (Pa), v (m/s)";
 
 impl PistonResult {
     fn write_text(&self, text: &mut String) {

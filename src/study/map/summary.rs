@@ -1,7 +1,7 @@
 //! Result of a map and its summary: counts, intervals, fastest growth.
 
 use super::{MapBoundaries, MapOptions, MapPoint, PointStatus};
-use crate::case::{Case, MapAxes, ModelKind, ParameterSweep};
+use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, SweepSpacing};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 use serde::{Serialize, Serializer};
@@ -72,6 +72,9 @@ pub struct MapAxis {
     /// Number of values of the swept parameter.
     #[serde(rename = "points")]
     pub point_count: usize,
+    /// Name of the spacing of the values in case files; `None` if it is linear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<&'static str>,
     /// Axis label: quantity and symbol.
     #[serde(skip)]
     pub label: String,
@@ -82,13 +85,15 @@ pub struct MapAxis {
 
 impl From<&ParameterSweep> for MapAxis {
     fn from(sweep: &ParameterSweep) -> Self {
-        let ParameterSweep { parameter, first_value, last_value, point_count: points } = *sweep;
+        let ParameterSweep { parameter, first_value, last_value, point_count: points, spacing } =
+            *sweep;
         Self {
             parameter: parameter.name(),
             unit: parameter.unit(),
             first_value,
             last_value,
             point_count: points,
+            spacing: (spacing != SweepSpacing::Linear).then(|| spacing.name()),
             label: parameter.label(),
             values: (0..points).map(|index| sweep.sweep_value(index)).collect(),
         }

@@ -5,6 +5,7 @@ use crate::error::FigureError;
 use crate::format::{FigureFormat, FigureOptions, FigureOutput, FigureSize};
 use crate::page;
 use crate::picture::{Anchor, INK, Picture, Rectangle, Text};
+use crate::seismogram::{SeismogramFigure, SeismogramPanel, Trace};
 
 fn sample() -> Picture {
     let mut picture = page::create_page(600.0, "Title", "subtitle");
@@ -170,4 +171,40 @@ fn every_figure_takes_the_options() {
     let svg = figure.draw(FigureOutput { format: FigureFormat::Svg, options }).unwrap();
     assert!(!String::from_utf8(svg).unwrap().contains("subtitle"));
     assert!(figure.draw(FigureFormat::Pdf).unwrap().starts_with(b"%PDF-1.7"));
+}
+
+/// A figure of the width of a journal column is laid out so that its smallest text has 6 points; one of the width of a
+/// page is the natural figure, scaled.
+#[test]
+fn figures_of_a_column_have_legible_texts() {
+    let times: Vec<f64> = (0..100).map(|index| 0.01 * f64::from(index)).collect();
+    let values: Vec<f64> = times.iter().map(|time| (9.0 * time).sin()).collect();
+    let trace = |name: &str| Trace { name: name.to_owned(), values: values.clone() };
+    let figure = SeismogramFigure {
+        title: "Title".to_owned(),
+        subtitle: String::new(),
+        time_label: "time t, s".to_owned(),
+        panels: vec![SeismogramPanel {
+            label: "velocity v₁, m/s".to_owned(),
+            traces: vec![trace("first"), trace("second")],
+        }],
+        times,
+    };
+    let smallest_points = |size: [f64; 2]| {
+        let options =
+            FigureOptions { size: Some(FigureSize::Millimetres(size)), ..FigureOptions::default() };
+        let output = FigureOutput { format: FigureFormat::Svg, options };
+        let svg = String::from_utf8(figure.draw(output).unwrap()).unwrap();
+        let number = |text: &str| text.split('"').next().unwrap().parse::<f64>().unwrap();
+        let view_box = svg.split("viewBox=\"").nth(1).unwrap().split('"').next().unwrap();
+        let sides: Vec<f64> = view_box.split(' ').map(|side| side.parse().unwrap()).collect();
+        let millimetres = (size[0] / sides[2]).min(size[1] / sides[3]);
+        let sizes = svg.split("font-size=\"").skip(1).map(number);
+        sizes.fold(f64::INFINITY, f64::min) * millimetres * 72.0 / 25.4
+    };
+    // Tick labels have 26 pixels, the smallest text of all figures 22.
+    let column = smallest_points([85.0, 60.0]);
+    assert!((6.0..8.0).contains(&column), "{column}");
+    let page = smallest_points([170.0, 120.0]);
+    assert!((page - 26.0 * 170.0 / 1600.0 * 72.0 / 25.4).abs() < 0.4, "{page}");
 }

@@ -1,0 +1,94 @@
+//! Layout of the pictures of the bundled cases: no text covers another text, a curve of data or a marked point, and none
+//! extends beyond the picture. Numbers on discs mark their curves and may cover them. Points without area on a map, grid
+//! lines, leader lines and hatching are no curves.
+
+use figures::{FigureFormat, FigureOptions};
+use wellposed::CASES;
+use wellposed::case::Case;
+use wellposed::report::{PictureOptions, Report, draw_pictures};
+use wellposed::study::{self, MapOptions, ignore_progress};
+
+/// Pictures of studies with covering texts.
+#[derive(Default)]
+struct Layouts {
+    checked: Vec<String>,
+    covering: Vec<String>,
+}
+
+impl Layouts {
+    /// Checks the pictures of a study, unless the case does not have the study.
+    fn check<R: Report, E>(&mut self, case: &Case, found: Result<R, E>) {
+        let Ok(found) = found else { return };
+        let figure = FigureOptions { lists_covering_texts: true, ..FigureOptions::default() };
+        let options =
+            PictureOptions { formats: vec![FigureFormat::Svg], figure, animations: Vec::new() };
+        let pictures = found.create_pictures(case).expect("pictures");
+        draw_pictures(&pictures, &options, |name, list| {
+            let place = format!("{} {}/{name}", case.name, R::NAME);
+            let list = String::from_utf8_lossy(list);
+            self.covering.extend(list.lines().map(|line| format!("{place}: {line}")));
+            self.checked.push(place);
+            Ok::<(), wellposed::Error>(())
+        })
+        .expect("layouts");
+    }
+}
+
+fn parse((path, text): (&str, &str), settings: &[&str]) -> Case {
+    let settings: Vec<String> = settings.iter().map(|own| (*own).to_owned()).collect();
+    Case::parse(text, path, &settings).expect("a bundled case")
+}
+
+/// Checks the pictures of all studies but maps of the bundled cases that `is_selected` selects.
+fn check_studies(is_selected: impl Fn(&Case) -> bool) -> Layouts {
+    let mut layouts = Layouts::default();
+    for own in CASES.iter().copied() {
+        let case = parse(own, &[]);
+        if !is_selected(&case) {
+            continue;
+        }
+        layouts.check(&case, study::compute_diagram(&case));
+        layouts.check(&case, study::compute_shocks(&case));
+        layouts.check(&case, study::analyse_point(&case, &ignore_progress));
+        layouts.check(&case, study::compute_speeds(&case, &ignore_progress));
+        match case.has_joints() {
+            true => layouts.check(&case, study::compute_bloch_waves(&case, &ignore_progress)),
+            false => layouts.check(&case, study::compute_dispersion(&case, &ignore_progress)),
+        }
+    }
+    layouts
+}
+
+/// Whether the studies of a case take long: in space, or the bands of blocks.
+fn is_expensive(case: &Case) -> bool {
+    case.has_joints() || case.equations.is_some() || case.material.numbers.dimensions == 3
+}
+
+#[test]
+fn texts_of_studies_cover_nothing() {
+    let Layouts { checked, covering } = check_studies(|case| !is_expensive(case));
+    assert!(covering.is_empty(), "{covering:#?}");
+    assert!(checked.len() > 25, "{checked:?}");
+}
+
+#[test]
+#[ignore = "a minute: studies in space, and bands of blocks"]
+fn texts_of_expensive_studies_cover_nothing() {
+    let Layouts { checked, covering } = check_studies(is_expensive);
+    assert!(covering.is_empty(), "{covering:#?}");
+    assert!(checked.len() > 25, "{checked:?}");
+}
+
+/// Checks the maps of the bundled cases on a few states; their texts do not depend on the number of states.
+#[test]
+fn texts_of_maps_cover_nothing() {
+    let mut layouts = Layouts::default();
+    for own in CASES.iter().copied().filter(|(_, text)| text.contains("\n[map]")) {
+        let case = parse(own, &["map.x.points=6", "map.y.points=2"]);
+        let found = study::compute_map(&case, MapOptions::default(), &ignore_progress);
+        layouts.check(&case, found);
+    }
+    let Layouts { checked, covering } = layouts;
+    assert!(covering.is_empty(), "{covering:#?}");
+    assert!(checked.len() >= 14, "{checked:?}");
+}
