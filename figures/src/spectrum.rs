@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// Shells without energy are left out: no text or shape stands for them, and the legend lists what is drawn.
+    /// Shells without energy are not drawn, and a spectrum without any other shell is not in the legend.
     #[test]
     fn empty_shells_and_spectra_are_left_out() {
         let energy = |n: f64, time: usize| match (time, n as usize) {

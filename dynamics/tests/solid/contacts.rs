@@ -345,7 +345,7 @@ fn energy_of_sand_does_not_grow_beside_free_boundaries() {
 }
 
 #[test]
-#[ignore = "100,000 steps of each medium, about ten minutes"]
+#[ignore = "100,000 steps of each medium, half an hour"]
 fn energy_never_grows_in_long_runs() {
     check_random_pulses(0..1, 100_000);
 }
