@@ -47,7 +47,7 @@ impl InstructionSet {
             Self::Avx2 if self.is_available() => unsafe { T::run_avx2(kernel) },
             // SAFETY: the processor has AVX-512F, DQ and VL, as `is_available` has checked.
             Self::Avx512 if self.is_available() => unsafe { T::run_avx512(kernel) },
-            _ => kernel.run::<T::Lanes>(),
+            _ => kernel.run::<T::Baseline>(),
         }
     }
 
@@ -65,7 +65,7 @@ impl InstructionSet {
             // SAFETY: the processor has AVX-512F, DQ and VL, as `is_available` has checked.
             Self::Avx512 if self.is_available() => unsafe { T::run_avx512(kernel) },
             _ if cfg!(target_arch = "x86_64") => compact(kernel),
-            _ => kernel.run::<T::Lanes>(),
+            _ => kernel.run::<T::Baseline>(),
         }
     }
 }

@@ -10,6 +10,9 @@ pub trait Real: Number + PartialOrd {
     /// Group of numbers that fills a cache line of 64 bytes.
     type Lanes: LaneGroup<Self> + Vector<Self>;
 
+    /// Such a group in registers that every processor of the architecture has.
+    type Baseline: Vector<Self>;
+
     /// Converts to double precision, exactly.
     fn to_f64(self) -> f64;
 

@@ -3,10 +3,10 @@
 use crate::simd::{Lanes, Real, SimdKernel, Vector};
 
 #[cfg(target_arch = "x86_64")]
-use super::x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
+use super::x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single, Sse2Double, Sse2Single};
 
 macro_rules! impl_real {
-    ($kind:ty, $lanes:literal, $avx2:ident in $avx2_module:ident, $avx512:ident in $avx512_module:ident) => {
+    ($kind:ty, $lanes:literal, $sse2:ident, $avx2:ident in $avx2_module:ident, $avx512:ident in $avx512_module:ident) => {
         // Modules of their own, since the compiler makes a codegen unit of each and compiles several at the same time. Not
         // inlined, so that kernels that other kernels run are compiled once.
         #[cfg(target_arch = "x86_64")]
@@ -79,6 +79,10 @@ macro_rules! impl_real {
 
         impl Real for $kind {
             type Lanes = Lanes<Self, $lanes>;
+            #[cfg(target_arch = "x86_64")]
+            type Baseline = $sse2;
+            #[cfg(not(target_arch = "x86_64"))]
+            type Baseline = Self::Lanes;
 
             #[cfg(target_arch = "x86_64")]
             unsafe fn run_avx2(kernel: impl SimdKernel<Self>) {
@@ -119,8 +123,8 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, 16, Avx2Single in avx2_single, Avx512Single in avx512_single);
-impl_real!(f64, 8, Avx2Double in avx2_double, Avx512Double in avx512_double);
+impl_real!(f32, 16, Sse2Single, Avx2Single in avx2_single, Avx512Single in avx512_single);
+impl_real!(f64, 8, Sse2Double, Avx2Double in avx2_double, Avx512Double in avx512_double);
 
 #[cfg(test)]
 mod tests {
@@ -258,6 +262,47 @@ mod tests {
                 }
             }
         }
+    }
+
+    struct ComparisonKernel<'a, T: Real>([T::Lanes; 2], &'a mut T::Lanes, &'a mut u16);
+
+    impl<T: Real> SimdKernel<T> for ComparisonKernel<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            let [one, other] = [V::load(&self.0[0]), V::load(&self.0[1])];
+            one.select_gt(other, V::ONE, V::HALF).store(self.1);
+            *self.2 = one.greater_lanes(other);
+        }
+    }
+
+    /// Verifies `select_gt` and `greater_lanes` lane by lane, zeros of both signs, infinite numbers and NaN included, in
+    /// every instruction set.
+    fn check_comparisons<T: Real>() {
+        let values = [0.0, -0.0, 1.0, -1.0, 2.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        for shift in 0..values.len() {
+            let one = |lane: usize| T::from_f64(values[lane % values.len()]);
+            // Sixteen lanes compare each number with two others.
+            let other = |lane: usize| {
+                T::from_f64(values[(lane + lane / values.len() + shift) % values.len()])
+            };
+            let groups = [T::Lanes::from_lanes(one), T::Lanes::from_lanes(other)];
+            for set in InstructionSet::available_sets() {
+                let (mut chosen, mut lanes) = (T::Lanes::ZERO, 0);
+                set.run_kernel::<T>(ComparisonKernel(groups, &mut chosen, &mut lanes));
+                for (lane, chosen) in chosen.lanes().iter().enumerate() {
+                    let is_greater = one(lane) > other(lane);
+                    let expected = if is_greater { T::ONE } else { T::HALF };
+                    assert_eq!(chosen.to_f64(), expected.to_f64(), "{set:?} {lane} {shift}");
+                    assert_eq!(lanes >> lane & 1 == 1, is_greater, "{set:?} {lane} {shift}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn comparisons_agree_in_every_instruction_set() {
+        check_comparisons::<f64>();
+        check_comparisons::<f32>();
     }
 
     #[test]
