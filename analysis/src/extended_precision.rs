@@ -3,6 +3,7 @@
 //! Only the operations of the exact dispersion polynomial are implemented, without fused multiply-add, so that results
 //! are bitwise equal on all platforms.
 
+use num_complex::Complex64;
 use std::ops::{Add, Mul, Neg};
 
 /// `high + low` with |low| at most half a unit in the last place of `high`.
@@ -15,6 +16,7 @@ pub struct ExtendedReal {
 }
 
 /// Error-free sum of two doubles (TwoSum, Knuth 1969).
+#[inline]
 fn two_sum(a: f64, b: f64) -> ExtendedReal {
     let high = a + b;
     let virtual_b = high - a;
@@ -22,6 +24,7 @@ fn two_sum(a: f64, b: f64) -> ExtendedReal {
 }
 
 /// Error-free sum of two doubles with |a| ≥ |b| (FastTwoSum, Dekker 1971).
+#[inline]
 fn fast_two_sum(a: f64, b: f64) -> ExtendedReal {
     let high = a + b;
     ExtendedReal { high, low: b - (high - a) }
@@ -29,6 +32,7 @@ fn fast_two_sum(a: f64, b: f64) -> ExtendedReal {
 
 /// Error-free product of two doubles that neither overflows nor underflows (TwoProduct with Veltkamp's splitting,
 /// Dekker 1971).
+#[inline]
 fn two_product(a: f64, b: f64) -> ExtendedReal {
     fn split_veltkamp(x: f64) -> (f64, f64) {
         let t = 134_217_729.0 * x; // 2²⁷ + 1
@@ -48,6 +52,7 @@ impl From<f64> for ExtendedReal {
 
 impl Add for ExtendedReal {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         let sum = two_sum(self.high, other.high);
         let rest = two_sum(self.low, other.low);
@@ -58,6 +63,7 @@ impl Add for ExtendedReal {
 
 impl Neg for ExtendedReal {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
@@ -65,6 +71,7 @@ impl Neg for ExtendedReal {
 
 impl Mul for ExtendedReal {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let product = two_product(self.high, other.high);
         fast_two_sum(product.high, product.low + (self.high * other.low + self.low * other.high))
@@ -82,6 +89,7 @@ pub struct ExtendedComplex {
 
 impl Add for ExtendedComplex {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { re: self.re + other.re, im: self.im + other.im }
     }
@@ -89,7 +97,28 @@ impl Add for ExtendedComplex {
 
 impl Mul for ExtendedComplex {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re + -(self.im * other.im),
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+}
+
+impl Mul<f64> for ExtendedReal {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: f64) -> Self {
+        let product = two_product(self.high, other);
+        fast_two_sum(product.high, product.low + self.low * other)
+    }
+}
+
+impl Mul<Complex64> for ExtendedComplex {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Complex64) -> Self {
         Self {
             re: self.re * other.re + -(self.im * other.im),
             im: self.re * other.im + self.im * other.re,

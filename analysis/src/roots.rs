@@ -5,6 +5,9 @@ use crate::list::{StackList, list};
 use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
+/// Bound of the rounding error of a value, relative to the sum of the magnitudes of the terms of the polynomial.
+const EVALUATION_ERROR: f64 = 2.0 * f64::EPSILON;
+
 /// Relative error of a complex product and sum of double-double numbers.
 const EXTENDED_EVALUATION_ERROR: f64 = 1e-30;
 
@@ -27,9 +30,12 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
                 list![sum / c2, c0 / sum]
             }
         }
-        _ => iterate_aberth(coefficients, &mut initial_guesses(coefficients, &[]), |x| {
-            evaluate_with_derivative(coefficients, x)
-        }),
+        _ => {
+            let mut start = initial_guesses(coefficients, &[]);
+            iterate_aberth(coefficients, &mut start, EVALUATION_ERROR, |x| {
+                evaluate_with_derivative(coefficients, x)
+            })
+        }
     }
 }
 
@@ -50,14 +56,8 @@ pub fn solve_extended(
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
     let rounding = EXTENDED_EVALUATION_ERROR * rounded.len() as f64;
-    let mut roots = iterate_aberth(rounded, &mut start, |x| {
-        let (value, slope) = evaluate_extended(coefficients, x);
-        // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
-        // where the value is rounding.
-        let size = x.norm();
-        let terms = rounded.iter().rev().fold(0.0, |sum, c| sum * size + c.norm());
-        if value.norm() <= rounding * terms { (Complex64::ZERO, slope) } else { (value, slope) }
-    });
+    let mut roots =
+        iterate_aberth(rounded, &mut start, rounding, |x| evaluate_extended(coefficients, x));
     roots.extend(std::iter::repeat_n(Complex64::ZERO, zeros));
     roots
 }
@@ -68,11 +68,10 @@ pub(crate) fn evaluate_extended(
     coefficients: &[ExtendedComplex],
     x: Complex64,
 ) -> (Complex64, Complex64) {
-    let at = ExtendedComplex { re: x.re.into(), im: x.im.into() };
     let (mut value, mut slope) = (ExtendedComplex::default(), Complex64::ZERO);
     for c in coefficients.iter().rev() {
         slope = slope * x + Complex64::new(value.re.high, value.im.high);
-        value = value * at + *c;
+        value = value * x + *c;
     }
     (Complex64::new(value.re.high, value.im.high), slope)
 }
@@ -126,13 +125,16 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
     start
 }
 
-/// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative.
+/// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative, the value with
+/// an error of `rounding` times the sum of the magnitudes of all terms.
 fn iterate_aberth(
     coefficients: &[Complex64],
     roots: &mut [Complex64],
+    rounding: f64,
     evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
 ) -> StackList<Complex64> {
     debug_assert_eq!(roots.len() + 1, coefficients.len());
+    let moduli: StackList<f64> = coefficients.iter().map(|c| c.norm()).collect();
     let mut settled = list![false; roots.len()];
     for _ in 0..MAX_ITERATIONS {
         for i in 0..roots.len() {
@@ -140,7 +142,11 @@ fn iterate_aberth(
                 continue;
             }
             let (value, slope) = evaluate(roots[i]);
-            if value == Complex64::ZERO {
+            let size = roots[i].norm();
+            let terms = moduli.iter().rev().fold(0.0, |sum, modulus| sum * size + modulus);
+            // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
+            // where the value is rounding.
+            if value.norm() <= rounding * terms {
                 settled[i] = true;
                 continue;
             }
@@ -157,9 +163,9 @@ fn iterate_aberth(
                 continue;
             }
             roots[i] -= step;
-            // A step may also be small because another iterate is close: test the Newton correction too.
-            let size = roots[i].norm();
-            settled[i] = step.norm() <= 1e-16 * size && newton.norm() <= 1e-3 * size;
+            // A step below the spacing of doubles was the last. It may also be small because another iterate is close: test
+            // the Newton correction too.
+            settled[i] = step.norm() <= f64::EPSILON * size && newton.norm() <= 1e-3 * size;
         }
         if settled.iter().all(|s| *s) {
             break;
