@@ -66,6 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             )?,
         ],
         measured_points: Vec::new(),
+        disagreeing_points: Vec::new(),
     };
     std::fs::write(Path::new(&path), figure.draw(FigureFormat::Png)?)?;
     Ok(())

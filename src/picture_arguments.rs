@@ -14,9 +14,9 @@ pub(crate) struct PictureArguments {
     /// File formats of animations of snapshots: gif, apng, separated by commas; or none
     #[arg(long, value_name = "FORMATS", default_value = "gif", value_parser = parse_animations)]
     animations: AnimationFormats,
-    /// Size of the pictures, e.g. 1200x800 in pixels or 170x120mm [default: 1600 pixels wide]; text is scaled with the
-    /// picture, but not below 6 points in pictures of runs
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    /// Size of the pictures, e.g. 1200x800 in pixels, 170x120mm, or 85mm for a width with the height that text of 6 points
+    /// needs [default: 1600 pixels wide]
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     size: Option<FigureSize>,
     /// Resolution of PNG pictures, dots per inch [default: 200, with a size in mm 300]
     #[arg(long, value_name = "N", value_parser = parse_dpi)]
@@ -74,19 +74,23 @@ fn parse_list<F: Copy + PartialEq>(text: &str, known: &[(&str, F)]) -> Result<Ve
     Ok(formats)
 }
 
-/// Parses a width and a height: pixels from 100 to 10000, or with the suffix `mm` millimetres from 10 to 2000.
+/// Parses a width and a height: pixels from 100 to 10000, or with the suffix `mm` millimetres from 10 to 2000. A width in mm
+/// needs no height.
 fn parse_size(text: &str) -> Result<FigureSize, String> {
-    let problem = "expected a width and a height, such as 1200x800 in pixels (100 to 10000) or 170x120mm (10 to 2000)";
+    let problem = "expected a width and a height, such as 1200x800 in pixels (100 to 10000) or 170x120mm (10 to 2000), or a \
+                   width in mm, such as 85mm";
     let (numbers, is_in_mm) = match text.strip_suffix("mm") {
         Some(numbers) => (numbers, true),
         None => (text.strip_suffix("px").unwrap_or(text), false),
     };
+    let parse_mm =
+        |text: &str| text.parse().ok().filter(|length: &f64| (10.0..=2000.0).contains(length));
+    if is_in_mm && let Some(width) = parse_mm(numbers) {
+        return Ok(FigureSize::MillimetresWide(width));
+    }
     let size = numbers.split_once('x').and_then(|(width, height)| {
         if is_in_mm {
-            let parse = |text: &str| {
-                text.parse().ok().filter(|length: &f64| (10.0..=2000.0).contains(length))
-            };
-            return Some(FigureSize::Millimetres([parse(width)?, parse(height)?]));
+            return Some(FigureSize::Millimetres([parse_mm(width)?, parse_mm(height)?]));
         }
         let parse =
             |text: &str| text.parse().ok().filter(|length: &u32| (100..=10000).contains(length));
@@ -128,8 +132,9 @@ mod tests {
             assert_eq!(parse_size(text).unwrap(), FigureSize::Pixels([1200, 800]));
         }
         assert_eq!(parse_size("85.5x60mm").unwrap(), FigureSize::Millimetres([85.5, 60.0]));
+        assert_eq!(parse_size("85mm").unwrap(), FigureSize::MillimetresWide(85.0));
         for wrong in
-            ["1200", "0x100", "1200.5x800", "85x60cm", "x", "1e9x1e9mm", "NaNx60mm", "-1x5"]
+            ["1200", "5mm", "0x100", "1200.5x800", "85x60cm", "x", "1e9x1e9mm", "NaNx60mm", "-1x5"]
         {
             assert!(parse_size(wrong).is_err(), "{wrong}");
         }

@@ -180,22 +180,23 @@ impl BandFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn to_picture(&self) -> Picture {
-        let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(self.legend_entries(), page::width() - 2.0 * MARGIN);
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let has_decay = !self.decay_rates.is_empty();
         let min_height = if has_decay { 960.0 } else { 620.0 };
-        let height = page::HEIGHT.max(top + min_height + below).ceil();
+        let height = page::height().max(top + page::scale_height(min_height) + below).ceil();
         let bottom = height - below;
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let split = if has_decay { top + 0.62 * (bottom - top) } else { bottom };
         let path_ends = self.path_ends();
         let panel = |top: f64, bottom: f64, left: f64, families| {
-            let frame = Rectangle { left, top, right: page::WIDTH - MARGIN - 16.0, bottom };
+            let frame = Rectangle { left, top, right: page::width() - MARGIN - 16.0, bottom };
             BandPanel { frame, path_ends, upper_end: axis_upper_end(families), families }
         };
         let panels = |left: f64| {
@@ -212,7 +213,7 @@ impl BandFigure {
             .vertices
             .iter()
             .map(|(x, name)| (panels[0].to_point([*x, 0.0])[0], name.clone()))
-            .filter(|(x, _)| (left - 1.0..=page::WIDTH).contains(x))
+            .filter(|(x, _)| (left - 1.0..=page::width()).contains(x))
             .collect();
         let labels = [&self.frequency_label, &self.decay_label];
         for (index, panel) in panels.iter().enumerate() {

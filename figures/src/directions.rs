@@ -5,7 +5,9 @@ use plotters::style::RGBColor;
 use crate::error::FigureError;
 use crate::format::FigureOutput;
 use crate::page::{self, AXIS_NAME_SIZE, Legend, MARGIN, TICK_LABEL_SIZE};
-use crate::picture::{Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle_points};
+use crate::picture::{
+    Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle_points, text_width,
+};
 
 /// Kind of a direction, which determines its line style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +73,8 @@ const GUIDE_COLOUR: Colour = RGBColor(190, 190, 190);
 const LABEL_HEIGHT: f64 = 1.45 * TICK_LABEL_SIZE;
 /// Radial distance from the circle of the point whose height is the preferred height of a label, pixels.
 const LABEL_CLEARANCE: f64 = 32.0;
+/// Height above and below the circle for labels and arrow heads, pixels.
+const RIM_HEIGHT: f64 = 76.0;
 
 impl DirectionsFigure {
     /// Renders the figure and returns the bytes of the file.
@@ -78,11 +82,32 @@ impl DirectionsFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn finite_directions(&self) -> impl Iterator<Item = &Direction> {
         self.directions.iter().filter(|direction| direction.angle_deg.is_finite())
+    }
+
+    /// Returns the legend text of a kind; on a narrow page, where only angles are beside the circle, with the labels of
+    /// its directions.
+    fn describe_kind(&self, kind: DirectionKind) -> String {
+        let description = kind.description();
+        let own =
+            self.finite_directions().filter(|own| own.kind == kind && own.label != description);
+        let mut labels: Vec<String> = Vec::new();
+        let mut last = "";
+        for direction in own.filter(|_| page::is_narrow()) {
+            // A label that several directions have is written once.
+            labels.push(match direction.label == last {
+                true => direction.format_angle(),
+                false => direction.format_label(),
+            });
+            last = &direction.label;
+        }
+        let separator = if labels.is_empty() { "" } else { ": " };
+        format!("{description}{separator}{}", labels.join(", "))
     }
 
     fn to_picture(&self) -> Picture {
@@ -95,28 +120,46 @@ impl DirectionsFigure {
                 let y = 0.5 * (area.top + area.bottom);
                 picture.draw_dashed_line(&[[area.left, y], [area.right, y]], dashes, width, colour);
             };
-            (style.description().to_owned(), Box::new(swatch) as _)
+            (self.describe_kind(style), Box::new(swatch) as _)
         });
-        let legend = Legend::new(entries.collect(), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(entries.collect(), page::width() - 2.0 * MARGIN);
 
         let top = page::heading_bottom(&self.title, &self.subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
         // The area of the circle must be high enough for the columns of labels on its left and right.
         let sides = self.place_labels([0.0, 0.0], 1.0);
         let count = sides.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let plane = (count * LABEL_HEIGHT + 20.0).max(700.0);
-        let height = page::HEIGHT.max(top + plane + below).ceil();
+        let plane = (count * LABEL_HEIGHT + 20.0).max(page::scale_height(700.0));
+        let max_height = 2.0 * (self.max_radius() + RIM_HEIGHT);
+        let usual_height = match page::is_narrow() {
+            true => page::height().min(top + max_height + below),
+            false => page::height(),
+        };
+        let height = usual_height.max(top + plane + below).ceil();
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let area =
-            Rectangle { left: MARGIN, top, right: page::WIDTH - MARGIN, bottom: height - below };
+            Rectangle { left: MARGIN, top, right: page::width() - MARGIN, bottom: height - below };
         self.draw_plane(&mut picture, area);
         legend.draw(&mut picture, MARGIN, area.bottom + 16.0);
         picture
     }
 
+    /// Returns the largest radius of the circle, pixels.
+    fn max_radius(&self) -> f64 {
+        if !page::is_narrow() {
+            return 420.0;
+        }
+        let widths = self
+            .finite_directions()
+            .map(|own| text_width(&own.format_label_beside_circle(), TICK_LABEL_SIZE, false));
+        0.5 * page::width()
+            - MARGIN
+            - widths.fold(2.0 * TICK_LABEL_SIZE, f64::max)
+            - LABEL_CLEARANCE
+    }
+
     fn draw_plane(&self, picture: &mut Picture, area: Rectangle) {
-        // Margin for the labels above the circle and for the arrow heads.
-        let radius = (0.5 * area.height() - 76.0).min(420.0);
+        let radius = (0.5 * area.height() - RIM_HEIGHT).min(self.max_radius());
         let centre = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
         let at = |angle_deg: f64, radius: f64| {
             let (sin, cos) = angle_deg.to_radians().sin_cos();
@@ -203,7 +246,8 @@ impl DirectionsFigure {
             let lower_is_freer = label_distance(&upper) < LABEL_HEIGHT
                 && label_distance(&lower) > label_distance(&upper);
             let (side, line_end, preferred_height) = if lower_is_freer { lower } else { upper };
-            let (text, colour) = (direction.format_label(), direction.kind.line_style().2);
+            let (text, colour) =
+                (direction.format_label_beside_circle(), direction.kind.line_style().2);
             sides[side].push(DirectionLabel {
                 line_end,
                 preferred_height,
@@ -225,7 +269,20 @@ impl Direction {
         self.angle_deg.rem_euclid(180.0)
     }
 
+    /// Formats the text beside the circle: on a narrow page without the label.
+    fn format_label_beside_circle(&self) -> String {
+        match page::is_narrow() {
+            true => self.format_angle(),
+            false => self.format_label(),
+        }
+    }
+
     fn format_label(&self) -> String {
+        format!("{} {}", self.label, self.format_angle()).trim_start().to_owned()
+    }
+
+    /// Formats angle and multiplicity.
+    fn format_angle(&self) -> String {
         // Equivalent angles have the same text; an angle that rounds to 180° is written as 0°.
         let angle = (10.0 * self.upper_angle()).round() / 10.0;
         let angle = if angle >= 180.0 { 0.0 } else { angle };
@@ -234,7 +291,7 @@ impl Direction {
         } else {
             String::new()
         };
-        format!("{} {angle:.1}°{times}", self.label).trim_start().to_owned()
+        format!("{angle:.1}°{times}")
     }
 }
 

@@ -25,14 +25,16 @@ impl FigureFormat {
     }
 }
 
-/// Size of a figure. The figure is scaled as a whole, texts included, to fit in the size, and centred in it. Fields,
-/// records, spectra, panels of curves and diagrams less than 154 mm wide are laid out anew with larger texts.
+/// Size of a figure. The figure is scaled as a whole, texts included, to fit in the size, and centred in it. Figures less
+/// than 154 mm wide are laid out anew, so that the smallest text has 6 points if the height suffices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FigureSize {
     /// Width and height, pixels.
     Pixels([u32; 2]),
     /// Width and height, mm.
     Millimetres([f64; 2]),
+    /// Width, mm, with the height that the figure needs.
+    MillimetresWide(f64),
 }
 
 /// Options of all figures.
@@ -67,28 +69,30 @@ impl FigureOptions {
     /// Returns width and usual height of the page on which figures are laid out, pixels: smaller for figures less than
     /// 154 mm wide, so that the smallest text has 6 points in print.
     pub(crate) fn page_size(&self) -> [f64; 2] {
-        /// Resolution at which the smallest text, of 22 pixels, has 6 points, pixels per mm.
-        const PIXELS_PER_MILLIMETRE: f64 = 22.0 / 6.0 * 72.0 / MILLIMETRES_PER_INCH;
+        /// Resolution at which the smallest text has 6 points, pixels per mm.
+        const PIXELS_PER_MILLIMETRE: f64 = page::MIN_TEXT_SIZE / 6.0 * 72.0 / MILLIMETRES_PER_INCH;
         const MIN_SIZE: [f64; 2] = [700.0, 420.0];
-        match self.size {
-            Some(FigureSize::Millimetres([width, height]))
-                if width * PIXELS_PER_MILLIMETRE < page::WIDTH =>
-            {
-                let pixels = (width * PIXELS_PER_MILLIMETRE).max(MIN_SIZE[0]);
-                [pixels.floor(), (pixels * height / width).clamp(MIN_SIZE[1], page::HEIGHT).floor()]
-            }
-            _ => [page::WIDTH, page::HEIGHT],
+        /// Usual height of a figure whose height is not given, in widths.
+        const USUAL_HEIGHT: f64 = 0.75;
+        let [width, height] = match self.size {
+            Some(FigureSize::Millimetres(size)) => size,
+            Some(FigureSize::MillimetresWide(width)) => [width, USUAL_HEIGHT * width],
+            Some(FigureSize::Pixels(_)) | None => return [page::WIDTH, page::HEIGHT],
+        };
+        if width * PIXELS_PER_MILLIMETRE >= page::WIDTH {
+            return [page::WIDTH, page::HEIGHT];
         }
+        let pixels = (width * PIXELS_PER_MILLIMETRE).max(MIN_SIZE[0]);
+        [pixels.floor(), (pixels * height / width).clamp(MIN_SIZE[1], page::HEIGHT).floor()]
     }
 
     /// Computes width and height of a PNG, pixels, from the natural size of the figure, pixels.
     pub(crate) fn pixel_size(&self, natural: [f64; 2]) -> [f64; 2] {
         match self.size {
-            None => natural.map(|length| length * self.resolution() / Self::DEFAULT_DPI),
             Some(FigureSize::Pixels(size)) => size.map(f64::from),
-            Some(FigureSize::Millimetres(size)) => {
-                size.map(|length| length / MILLIMETRES_PER_INCH * self.resolution())
-            }
+            _ => self
+                .printed_size(natural)
+                .map(|length| length / MILLIMETRES_PER_INCH * self.resolution()),
         }
         .map(|length| length.round().max(1.0))
     }
@@ -101,14 +105,15 @@ impl FigureOptions {
                 size.map(|length| f64::from(length) * MILLIMETRES_PER_INCH / self.resolution())
             }
             Some(FigureSize::Millimetres(size)) => size,
+            Some(FigureSize::MillimetresWide(width)) => [width, width * natural[1] / natural[0]],
         }
     }
 
     /// Returns the resolution of a PNG, dots per inch.
     pub(crate) fn resolution(&self) -> f64 {
         self.dpi.unwrap_or(match self.size {
-            Some(FigureSize::Millimetres(_)) => Self::PRINT_DPI,
-            _ => Self::DEFAULT_DPI,
+            Some(FigureSize::Millimetres(_) | FigureSize::MillimetresWide(_)) => Self::PRINT_DPI,
+            Some(FigureSize::Pixels(_)) | None => Self::DEFAULT_DPI,
         })
     }
 }

@@ -50,7 +50,8 @@ pub struct GrowthPanel {
     pub marks: Vec<AxisMark>,
 }
 
-/// Growth rates against the direction and against the wave number, in two panels side by side.
+/// Growth rates against the direction and against the wave number, in two panels side by side, in a narrow figure one
+/// below the other.
 ///
 /// The vertical axes are symmetric logarithmic, that is linear near zero and logarithmic at larger magnitudes, so that
 /// growth and decay over many decades are visible.
@@ -60,9 +61,9 @@ pub struct GrowthFigure {
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Left panel: growth rates against the direction.
+    /// Left or upper panel: growth rates against the direction.
     pub by_direction: GrowthPanel,
-    /// Right panel: growth rates against the wave number.
+    /// Right or lower panel: growth rates against the wave number.
     pub by_wave_number: GrowthPanel,
 }
 
@@ -130,11 +131,12 @@ impl GrowthFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn to_picture(&self) -> Picture {
-        let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(self.legend_entries(), page::width() - 2.0 * MARGIN);
         let scales = [
             GrowthScales::from_panel(&self.by_direction),
             GrowthScales::from_panel(&self.by_wave_number),
@@ -144,26 +146,47 @@ impl GrowthFigure {
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
 
         // Widths first: they determine the number of rows of mark labels.
-        let half = 0.5 * (page::WIDTH - 2.0 * MARGIN - 40.0);
+        const COLUMN_GAP: f64 = 40.0;
+        let is_stacked = page::is_narrow();
+        let content_width = page::width() - 2.0 * MARGIN;
+        let panel_width =
+            if is_stacked { content_width } else { 0.5 * (content_width - COLUMN_GAP) };
         let panels = [&self.by_direction, &self.by_wave_number];
         let mut frames = [0, 1].map(|side| {
-            let left = MARGIN + side as f64 * (half + 40.0);
+            let column = if is_stacked { 0.0 } else { side as f64 };
+            let left = MARGIN + column * (panel_width + COLUMN_GAP);
             let y_ticks = scales[side].y_ticks(600.0);
             let axis = page::left_axis_width(&y_ticks);
-            Rectangle { left: left + axis, top: 0.0, right: left + half - 16.0, bottom: 0.0 }
+            Rectangle { left: left + axis, top: 0.0, right: left + panel_width - 16.0, bottom: 0.0 }
         });
         let marks = [0, 1].map(|side| place_marks(panels[side], &scales[side], frames[side]));
-        let rows = marks.iter().flatten().map(|mark| mark.row + 1).max().unwrap_or(0);
-        let top = heading + rows as f64 * MARK_ROW_HEIGHT + 14.0;
-        let height = page::HEIGHT.max(top + 480.0 + below).ceil();
+        let rows = |marks: &[PlacedMark]| marks.iter().map(|mark| mark.row + 1).max().unwrap_or(0);
+        // Heights above the frames: of panels beside each other the larger one, in the order of stacked panels each.
+        let mut above = [0, 1].map(|side| rows(&marks[side]) as f64 * MARK_ROW_HEIGHT + 14.0);
+        let mut between = 0.0;
+        if is_stacked {
+            between = page::BOTTOM_AXIS_HEIGHT + above[1];
+        } else {
+            above = [above[0].max(above[1]); 2];
+        }
+        let top = heading + above[0];
+        let min_height = page::scale_height(if is_stacked { 1000.0 } else { 480.0 });
+        let height = page::height().max(top + min_height + between + below).ceil();
+        let bottom = height - below;
+        let ends = match is_stacked {
+            true => {
+                let frame_height = 0.5 * (bottom - top - between);
+                [[top, top + frame_height], [bottom - frame_height, bottom]]
+            }
+            false => [[top, bottom]; 2],
+        };
 
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         for side in [0, 1] {
-            frames[side].top = top;
-            frames[side].bottom = height - below;
+            [frames[side].top, frames[side].bottom] = ends[side];
             self.draw_panel(&mut picture, panels[side], &scales[side], frames[side], &marks[side]);
         }
-        legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS_HEIGHT + 22.0);
+        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
         picture
     }
 

@@ -1,5 +1,6 @@
 //! Page with a note in place of a figure.
 
+use crate::dispersion::DISAGREEMENT_COLOUR;
 use crate::error::FigureError;
 use crate::format::FigureOutput;
 use crate::page::{self, MARGIN};
@@ -14,6 +15,8 @@ pub struct NoteFigure {
     pub subtitle: String,
     /// Text of the note; at most twelve lines are written.
     pub text: String,
+    /// Whether the note states a disagreement and is written in red.
+    pub is_disagreement: bool,
 }
 
 /// Font size, pixels.
@@ -27,19 +30,20 @@ impl NoteFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn to_picture(&self) -> Picture {
         let lines =
-            page::wrap_text(&self.text, FONT_SIZE, false, page::WIDTH - 2.0 * MARGIN, MAX_LINES);
+            page::wrap_text(&self.text, FONT_SIZE, false, page::width() - 2.0 * MARGIN, MAX_LINES);
         let top = page::heading_bottom(&self.title, &self.subtitle);
         let height = top + 1.4 * FONT_SIZE * lines.len() as f64 + MARGIN;
         let mut picture = page::create_page(height.ceil(), &self.title, &self.subtitle);
+        let colour = if self.is_disagreement { DISAGREEMENT_COLOUR } else { INK };
         for (index, line) in lines.into_iter().enumerate() {
             let at = [MARGIN, top + (0.76 + 1.4 * index as f64) * FONT_SIZE];
-            picture
-                .draw_text(Text { colour: INK, ..Text::new(at, Anchor::Start, FONT_SIZE, line) });
+            picture.draw_text(Text { colour, ..Text::new(at, Anchor::Start, FONT_SIZE, line) });
         }
         picture
     }
@@ -57,6 +61,7 @@ mod tests {
             title: "Title".to_owned(),
             subtitle: "subtitle".to_owned(),
             text,
+            is_disagreement: false,
         };
         let height = |label_text: usize| {
             let figure = figure("no measurement ".repeat(label_text));

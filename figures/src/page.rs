@@ -29,6 +29,11 @@ pub(crate) fn is_narrow() -> bool {
     width() < 0.75 * WIDTH
 }
 
+/// Returns the usual height of a page with a disc, pixels.
+pub(crate) fn disc_page_height() -> f64 {
+    if is_narrow() { height() } else { height() + 60.0 }
+}
+
 /// Returns the length that corresponds to `length` on a page of the usual height, pixels.
 pub(crate) fn scale_height(length: f64) -> f64 {
     length * height() / HEIGHT
@@ -50,10 +55,11 @@ pub(crate) fn lay_out_on_page<T>(size: [f64; 2], lay_out: impl FnOnce() -> T) ->
 /// Margin along the edges of the figure, pixels.
 pub(crate) const MARGIN: f64 = 44.0;
 
-/// Font size of the title, pixels.
-const TITLE_SIZE: f64 = 38.0;
-/// Font size of the subtitle, pixels.
-const SUBTITLE_SIZE: f64 = 26.0;
+/// Font sizes of title and subtitle, pixels, and of those of a narrow page.
+const HEADING_SIZES: [f64; 2] = [38.0, 26.0];
+const NARROW_HEADING_SIZES: [f64; 2] = [28.0, MIN_TEXT_SIZE];
+/// Smallest font size, pixels; texts of a narrow page are not reduced below it.
+pub(crate) const MIN_TEXT_SIZE: f64 = 22.0;
 /// Font size of axis names, pixels.
 pub(crate) const AXIS_NAME_SIZE: f64 = 28.0;
 /// Font size of tick labels and legends, pixels.
@@ -155,14 +161,15 @@ fn typeset_number(word: &str) -> String {
     }
 }
 
-/// Fits a text into one line of `width` pixels: the font size is reduced by up to a third, then the text is truncated.
-/// Returns text and size.
+/// Fits a text into one line of `width` pixels: the font size is reduced by up to a third, on a narrow page to
+/// [`MIN_TEXT_SIZE`], then the text is truncated. Returns text and size.
 pub(crate) fn fit_text(text: &str, size: f64, width: f64) -> (String, f64) {
     let natural = text_width(text, size, false);
     if natural <= width {
         return (text.to_owned(), size);
     }
-    let smaller = (size * width / natural).max(size / 1.5);
+    let smallest = if is_narrow() { MIN_TEXT_SIZE.min(size) } else { size / 1.5 };
+    let smaller = (size * width / natural).max(smallest);
     let line = wrap_text(text, smaller, false, width * 1.0001, 1).pop().unwrap_or_default();
     (line, smaller)
 }
@@ -184,8 +191,10 @@ pub(crate) fn heading_bottom(title: &str, subtitle: &str) -> f64 {
 fn draw_heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64 {
     let width = f64::from(picture.width) - 2.0 * MARGIN;
     let mut bottom = MARGIN;
+    let [title_size, subtitle_size] =
+        if is_narrow() { NARROW_HEADING_SIZES } else { HEADING_SIZES };
     for (text, size, is_bold, colour, max_lines) in
-        [(title, TITLE_SIZE, true, INK, 2), (subtitle, SUBTITLE_SIZE, false, PALE_INK, 3)]
+        [(title, title_size, true, INK, 2), (subtitle, subtitle_size, false, PALE_INK, 3)]
     {
         for line in wrap_text(&typeset_heading(text), size, is_bold, width, max_lines) {
             let at = [MARGIN, bottom + 0.76 * size];
@@ -244,13 +253,23 @@ pub(crate) fn draw_left_axis(picture: &mut Picture, frame: Rectangle, ticks: &[T
     if name.is_empty() {
         return;
     }
-    let (name, size) = fit_text(name, AXIS_NAME_SIZE, frame.height());
-    let at = [
-        left - TICK_LENGTH - 10.0 - max_label_width(ticks) - 0.4 * AXIS_NAME_SIZE,
-        0.5 * (top + bottom),
-    ];
-    let text = Text::new(at, Anchor::Middle, size, name);
-    picture.draw_text(Text { is_vertical: true, ..text });
+    let x = left - TICK_LENGTH - 10.0 - max_label_width(ticks) - 0.4 * AXIS_NAME_SIZE;
+    draw_vertical_name(picture, x, [top, bottom], name);
+}
+
+/// Writes the name of a vertical axis or colour bar beside it. On a narrow page, where frames are low, a long name extends
+/// beside the axis below the frame.
+pub(crate) fn draw_vertical_name(
+    picture: &mut Picture,
+    x: f64,
+    [top, bottom]: [f64; 2],
+    name: &str,
+) {
+    let space_below = if is_narrow() { BOTTOM_AXIS_HEIGHT - 20.0 } else { 0.0 };
+    let (name, size) = fit_text(name, AXIS_NAME_SIZE, bottom - top + space_below);
+    let excess = (text_width(&name, size, false) - (bottom - top)).max(0.0);
+    let at = [x, 0.5 * (top + bottom + excess)];
+    picture.draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
 }
 
 /// Returns the width of the widest tick label, pixels.

@@ -2,6 +2,7 @@
 
 use plotters::style::RGBColor;
 
+use crate::dispersion::DISAGREEMENT_COLOUR;
 use crate::error::FigureError;
 use crate::field::{FieldMarkKind, draw_mark};
 use crate::format::FigureOutput;
@@ -22,6 +23,8 @@ pub struct CurvePanel {
     /// Curves; those of the same label in any panel share a style and a legend entry. Curves without label are solid and
     /// not listed. A point that is not finite interrupts a curve.
     pub curves: Vec<LabelledCurve>,
+    /// Label of the curves that disagree with the reference lines and are drawn in red.
+    pub disagreeing_label: Option<String>,
     /// Curves drawn wide and pale below the others, such as chords; listed once, with the label of the first.
     pub reference_lines: Vec<LabelledCurve>,
     /// Points marked by discs.
@@ -129,7 +132,9 @@ impl PanelsFigure {
     fn legend_entries(&self, labels: &[&str]) -> Vec<LegendEntry> {
         let mut entries: Vec<LegendEntry> = Vec::new();
         for (index, label) in labels.iter().enumerate() {
-            let style = LineStyle::from_index(index);
+            let is_disagreeing =
+                self.panels.iter().any(|panel| panel.disagreeing_label.as_deref() == Some(label));
+            let style = curve_style(index, is_disagreeing);
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 style.draw_swatch(picture, area);
             };
@@ -172,6 +177,12 @@ impl PanelsFigure {
         }
         labels
     }
+}
+
+/// Returns the style of the curves whose label has this index.
+fn curve_style(index: usize, is_disagreeing: bool) -> LineStyle {
+    let style = LineStyle::from_index(index);
+    if is_disagreeing { LineStyle { colour: DISAGREEMENT_COLOUR, ..style } } else { style }
 }
 
 /// Draws the vertical line of the set of positions with this index across an area.
@@ -247,7 +258,8 @@ impl CurvePanel {
         for curve in &self.curves {
             let index = labels.iter().position(|label| *label == curve.label);
             let plain = LineStyle { colour: INK, dashes: &[], width: LINE_WIDTH };
-            let style = index.map_or(plain, LineStyle::from_index);
+            let is_disagreeing = self.disagreeing_label.as_ref() == Some(&curve.label);
+            let style = index.map_or(plain, |index| curve_style(index, is_disagreeing));
             for part in parts(curve) {
                 style.draw(picture, &part);
             }

@@ -55,8 +55,7 @@ pub(crate) fn linear_ticks_with_multiplier(
     let origin = if is_offset { least } else { 0.0 };
     let largest =
         ticks.iter().fold(0.0_f64, |largest, (value, _)| largest.max((value - origin).abs()));
-    let exponent =
-        if (1e-3..1e5).contains(&largest) { 0 } else { (largest.log10() + 1e-9).floor() as i32 };
+    let exponent = common_exponent([largest].into_iter());
     if exponent == 0 && !is_offset {
         return (ticks, String::new());
     }
@@ -73,6 +72,15 @@ pub(crate) fn linear_ticks_with_multiplier(
         (false, _) => format!(" (×{power})"),
     };
     (labelled, multiplier)
+}
+
+/// Returns the exponent of the common power of ten of numbers; 0 if their largest magnitude needs no factor.
+pub(crate) fn common_exponent(values: impl Iterator<Item = f64>) -> i32 {
+    let largest = values.fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    if largest == 0.0 || (1e-3..1e5).contains(&largest) {
+        return 0;
+    }
+    (largest.log10() + 1e-9).floor() as i32
 }
 
 /// Appends the common factor of the ticks of an axis to its label: to the unit, if the label has one.

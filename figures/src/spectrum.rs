@@ -1,6 +1,6 @@
 //! Spectra: a quantity against the mode number, on logarithmic axes.
 
-use crate::dispersion::draw_ring;
+use crate::dispersion::{draw_disagreement, draw_ring};
 use crate::error::FigureError;
 use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LabelledCurve, LineStyle, build_line_entries};
@@ -26,6 +26,8 @@ pub struct SpectrumFigure {
     pub spectra: Vec<LabelledCurve>,
     /// Measured points of each line, drawn as rings in its colour; may have fewer lists than there are lines.
     pub measured_points: Vec<Vec<[f64; 2]>>,
+    /// Those of the measured points that disagree with the lines, marked by red crosses.
+    pub disagreeing_points: Vec<[f64; 2]>,
 }
 
 /// Maximum number of decades of the vertical axis.
@@ -89,6 +91,14 @@ impl SpectrumFigure {
             };
             entries.push(("measured in time".to_owned(), Box::new(swatch)));
         }
+        let disagreeing = places(&self.disagreeing_points);
+        if disagreeing.iter().any(is_drawn) {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                let middle = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
+                draw_disagreement(picture, middle);
+            };
+            entries.push(("disagrees with the prediction".to_owned(), Box::new(swatch)));
+        }
         let legend = Legend::new(entries, page::width() - 2.0 * MARGIN);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let mut picture = page::create_page(page::height(), &self.title, &self.subtitle);
@@ -134,6 +144,9 @@ impl SpectrumFigure {
                 draw_ring(&mut picture, at(*point), LineStyle::from_index(index).colour);
             }
         }
+        for point in disagreeing.iter().filter(|point| is_drawn(point)) {
+            draw_disagreement(&mut picture, at(*point));
+        }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
         page::draw_bottom_axis(&mut picture, frame, &across, &self.x_label);
         page::draw_left_axis(&mut picture, frame, &upwards, &self.y_label);
@@ -175,6 +188,7 @@ mod tests {
             y_label: "energy, J/m³".to_owned(),
             spectra: (0..times).map(line).collect(),
             measured_points: vec![(1..4).map(f64::from).map(|n| [n, value(n, 0)]).collect()],
+            disagreeing_points: vec![[2.0, value(2.0, 0)]],
         }
     }
 

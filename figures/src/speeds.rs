@@ -91,7 +91,8 @@ impl SpeedsFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     fn spokes(&self) -> Vec<Spoke> {

@@ -65,6 +65,11 @@ pub struct SphereFigure {
 const CELL_SIZE: f64 = 3.0;
 /// Minimum length of open contour lines, pixels.
 const MIN_CONTOUR_LENGTH: f64 = 60.0;
+/// Width of the angles around the rim on a narrow page, pixels.
+const RIM_LABEL_WIDTH: f64 = 64.0;
+/// Width from the rim to the end of the colour bar's name on a narrow page, pixels.
+const COLOUR_BAR_SPACE: f64 =
+    RIM_LABEL_WIDTH + 24.0 + BAR_GAP + BAR_WIDTH + 14.0 + 80.0 + 1.8 * AXIS_NAME_SIZE;
 const GRATICULE_COLOUR: Colour = RGBColor(125, 125, 125);
 const MISSING_COLOUR: Colour = MISSING_LEVEL_COLOUR;
 
@@ -80,7 +85,8 @@ impl SphereFigure {
     /// # Errors
     /// Angles are not finite and ascending, there is not one value per pair of angles, or rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture()?.render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture())?.render(output)
     }
 
     fn validate(&self) -> Result<(), FigureError> {
@@ -244,18 +250,28 @@ impl SphereFigure {
         let range = self.level_range();
         let is_missing = |value: &f64| self.to_level(*value).is_nan();
         let has_missing = self.values.is_empty() || self.values.iter().any(is_missing);
-        let legend = Legend::new(self.legend_entries(has_missing), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(self.legend_entries(has_missing), page::width() - 2.0 * MARGIN);
         let top = page::heading_bottom(&self.title, &self.subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
-        let height = (page::HEIGHT + 60.0).max(top + 780.0 + below).ceil();
+        let rim_height = ANGLE_LABEL_DISTANCE + 0.7 * RING_LABEL_SIZE;
+        let is_narrow = page::is_narrow();
+        let max_radius = match is_narrow {
+            true => 0.5 * (page::width() - 2.0 * MARGIN - RIM_LABEL_WIDTH - COLOUR_BAR_SPACE),
+            false => 440.0,
+        };
+        let usual_height = match is_narrow {
+            true => page::height().min(top + 2.0 * (max_radius + rim_height) + below),
+            false => page::disc_page_height(),
+        };
+        let height = usual_height.max(top + page::scale_height(780.0) + below).ceil();
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let bottom = height - below;
-        let radius =
-            (0.5 * (bottom - top) - ANGLE_LABEL_DISTANCE - 0.7 * RING_LABEL_SIZE).min(440.0);
-        let disc = HemisphereProjection {
-            centre: [0.5 * page::WIDTH - 90.0, 0.5 * (top + bottom)],
-            radius,
+        let radius = (0.5 * (bottom - top) - rim_height).min(max_radius);
+        let centre_x = match is_narrow {
+            true => MARGIN + RIM_LABEL_WIDTH + radius,
+            false => 0.5 * page::width() - 90.0,
         };
+        let disc = HemisphereProjection { centre: [centre_x, 0.5 * (top + bottom)], radius };
 
         let max_count = ((2.0 * radius) / 90.0) as usize;
         let ticks = if self.is_value_log {
@@ -442,13 +458,11 @@ impl SphereFigure {
             picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
         }
         picture.draw_frame(bar, FRAME_LINE_WIDTH, INK);
-        let (name, size) = page::fit_text(&self.value_label, AXIS_NAME_SIZE, bar.height());
         let x = bar.right
             + 14.0
             + page::max_label_width(ticks).max(TICK_LABEL_SIZE)
             + 1.5 * AXIS_NAME_SIZE;
-        let at = [x, 0.5 * (bar.top + bar.bottom)];
-        picture.draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
+        page::draw_vertical_name(picture, x, [bar.top, bar.bottom], &self.value_label);
     }
 }
 

@@ -15,41 +15,63 @@ impl DispersionFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     pub(super) fn to_picture(&self) -> Picture {
-        let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(self.legend_entries(), page::width() - 2.0 * MARGIN);
         let heading = page::heading_bottom(&self.title, &self.subtitle);
         let top = heading + 14.0;
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
-        let min_height = if self.has_growth() { 780.0 } else { 560.0 };
-        let height = page::HEIGHT.max(top + min_height + below).ceil();
+        let is_stacked = page::is_narrow();
+        let min_height = match (self.has_growth(), is_stacked) {
+            (true, true) => 1200.0,
+            (false, true) => 900.0,
+            (true, false) => 780.0,
+            (false, false) => 560.0,
+        };
+        // Height between the axes of panels one above the other: without and with axis.
+        let between = 34.0;
+        let below_axis = page::BOTTOM_AXIS_HEIGHT + 20.0;
+        let spare = if is_stacked { below_axis } else { 0.0 };
+        let height =
+            page::height().max(top + page::scale_height(min_height) + spare + below).ceil();
         let bottom = height - below;
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
 
-        // The panels of frequencies and of growth rates share the wave-number axis.
+        // The panels of frequencies and of growth rates share the wave-number axis; that of speeds is beside them, on a
+        // narrow page below them.
         let [k_scale, frequency, speed, growth] = self.axis_scales();
-        let between = 34.0;
-        let split = if self.has_growth() { top + 0.58 * (bottom - top) } else { bottom };
+        let [left_bottom, right_top] = match is_stacked {
+            true => {
+                let share = if self.has_growth() { 0.64 } else { 0.5 };
+                let left_bottom = top + share * (bottom - top - below_axis);
+                [left_bottom, left_bottom + below_axis]
+            }
+            false => [bottom, top],
+        };
+        let split = if self.has_growth() { top + 0.58 * (left_bottom - top) } else { left_bottom };
         let axis =
             |scale: &AxisScale, length: f64| page::left_axis_width(&scale.ticks(length, true));
         let mut left_axis = axis(&frequency, split - top);
         if self.has_growth() {
-            left_axis = left_axis.max(axis(&growth, bottom - split - between));
+            left_axis = left_axis.max(axis(&growth, left_bottom - split - between));
         }
-        let half = 0.5 * (page::WIDTH - 2.0 * MARGIN - 30.0);
+        let content_right = page::width() - MARGIN;
+        let half = 0.5 * (content_right - MARGIN - 30.0);
+        let left_right = if is_stacked { content_right } else { MARGIN + half };
         let left = Rectangle {
             left: MARGIN + left_axis,
             top,
-            right: MARGIN + half - 16.0 - level_labels_width(&self.cutoffs),
+            right: left_right - 16.0 - level_labels_width(&self.cutoffs),
             bottom: split,
         };
-        let right_axis = axis(&speed, bottom - top);
+        let right_left = if is_stacked { MARGIN } else { MARGIN + half + 30.0 };
         let right = Rectangle {
-            left: MARGIN + half + 30.0 + right_axis,
-            top,
-            right: page::WIDTH - MARGIN - 16.0 - level_labels_width(&self.speed_limits),
+            left: right_left + axis(&speed, bottom - right_top),
+            top: right_top,
+            right: content_right - 16.0 - level_labels_width(&self.speed_limits),
             bottom,
         };
         let lines =
@@ -88,7 +110,7 @@ impl DispersionFigure {
         let name = (!has_growth_panel).then_some(self.wave_number_label.as_str());
         frequencies.draw(&mut picture, name, &self.frequency_label);
         if has_growth_panel {
-            let frame = Rectangle { top: split + between, bottom, ..left };
+            let frame = Rectangle { top: split + between, bottom: left_bottom, ..left };
             let plot = plot(frame, growth, lines(&|branch| branch.growth_rate.clone()));
             plot.draw(&mut picture, Some(&self.wave_number_label), &self.growth_label);
         }

@@ -12,4 +12,7 @@ mod styles;
 mod tests;
 
 pub use figure::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
-pub(crate) use number_discs::{NUMBER_DISC_RADIUS, draw_number_disc, draw_ring, number_disc_area};
+pub(crate) use number_discs::{
+    DISAGREEMENT_COLOUR, NUMBER_DISC_RADIUS, draw_disagreement, draw_number_disc, draw_ring,
+    number_disc_area,
+};

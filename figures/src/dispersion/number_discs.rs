@@ -6,7 +6,7 @@ use crate::picture::{Anchor, Colour, Picture, Point, Rectangle, Text, WHITE, tex
 pub(super) const RING_RADIUS: f64 = 9.0;
 
 /// Colour of points that disagree.
-const DISAGREEMENT_COLOUR: Colour = plotters::style::RGBColor(205, 0, 30);
+pub(crate) const DISAGREEMENT_COLOUR: Colour = plotters::style::RGBColor(205, 0, 30);
 
 /// Radius of the disc that carries a number, pixels.
 pub(crate) const NUMBER_DISC_RADIUS: f64 = 15.0;
@@ -37,7 +37,7 @@ pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
 }
 
 /// Draws the mark of a measured point that disagrees: a red cross over its ring.
-pub(super) fn draw_disagreement(picture: &mut Picture, [x, y]: Point) {
+pub(crate) fn draw_disagreement(picture: &mut Picture, [x, y]: Point) {
     const HALF: f64 = RING_RADIUS + 4.0;
     picture.mark_point([x, y], HALF);
     for (width, colour) in [(6.5, WHITE), (3.5, DISAGREEMENT_COLOUR)] {

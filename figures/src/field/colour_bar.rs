@@ -5,8 +5,8 @@ use super::contours::{Contours, draw_contour_line, draw_hatching};
 use super::figure::FieldFigure;
 use super::ticks::remove_overlapping_labels;
 use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, TICK_LABEL_SIZE};
-use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE, text_width};
-use crate::scale::Tick;
+use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE};
+use crate::scale::{Tick, label_with_multiplier};
 use crate::verdict_map::ARROW_LENGTH;
 
 /// Colour bar and its orientation.
@@ -126,16 +126,17 @@ impl FieldFigure {
     }
 
     fn draw_bar_axis(&self, picture: &mut Picture, scale: &ColourScale, bar: &ColourBar) {
-        let ticks: Vec<Tick> = self
-            .bar_ticks(scale, bar.length(), bar.is_vertical)
+        let (ticks, multiplier) = self.bar_ticks(scale, bar.length(), bar.is_vertical);
+        let label = label_with_multiplier(&self.label, &multiplier);
+        let ticks: Vec<Tick> = ticks
             .into_iter()
             .map(|(value, label)| (bar.position(scale.fraction(value)), label))
             .collect();
         let area = bar.area;
         let root_note = if page::is_narrow() { "root scale" } else { "colours by its square root" };
         let name = match scale.is_root && !self.label.is_empty() {
-            true => format!("{}, {root_note}", self.label),
-            false => self.label.clone(),
+            true => format!("{label}, {root_note}"),
+            false => label,
         };
         if !bar.is_vertical {
             return page::draw_bottom_axis(
@@ -153,16 +154,10 @@ impl FieldFigure {
                 picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
             }
         }
-        // On a narrow page, where bars are short, a long name extends beside the axis below the frame.
-        let space_below = if page::is_narrow() { page::BOTTOM_AXIS_HEIGHT - 20.0 } else { 0.0 };
-        let (name, size) = page::fit_text(&name, AXIS_NAME_SIZE, area.height() + space_below);
-        let overflow = (text_width(&name, size, false) - area.height()).max(0.0);
         if !name.is_empty() {
             let x =
                 area.right + 14.0 + page::max_label_width(&ticks) + 12.0 + 0.76 * AXIS_NAME_SIZE;
-            let at = [x, 0.5 * (area.top + area.bottom + overflow)];
-            picture
-                .draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
+            page::draw_vertical_name(picture, x, [area.top, area.bottom], &name);
         }
     }
 }

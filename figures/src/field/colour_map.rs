@@ -154,25 +154,40 @@ impl ColourScale {
     }
 
     /// Computes the ticks of a colour bar of `length` pixels. The label of an upper limit with values beyond it begins
-    /// with ≥, of a lower limit with ≤.
-    pub(super) fn ticks(&self, length: f64, is_vertical: bool, is_angle: bool) -> Vec<Tick> {
+    /// with ≥, of a lower limit with ≤. Returns the ticks and the text of their common factor, which is empty if there is
+    /// none.
+    pub(super) fn ticks(
+        &self,
+        length: f64,
+        is_vertical: bool,
+        is_angle: bool,
+    ) -> (Vec<Tick>, String) {
         if self.limit == 0.0 {
-            return Vec::new();
+            return (Vec::new(), String::new());
         }
         let low = self.lower_limit();
-        let mut ticks = page::choose_ticks(length, is_vertical, |max_count| {
-            // On a root scale ticks are closer at the ends, by half at most.
-            let max_count = if self.is_root { max_count.div_ceil(2) } else { max_count };
-            scale::linear_ticks(low, self.limit, max_count, is_angle)
-        });
+        let (mut ticks, multiplier) =
+            page::choose_ticks_with_multiplier(length, is_vertical, |max_count| {
+                // On a root scale ticks are closer at the ends, by half at most.
+                let max_count = if self.is_root { max_count.div_ceil(2) } else { max_count };
+                match is_angle {
+                    true => (scale::linear_ticks(low, self.limit, max_count, true), String::new()),
+                    false => scale::linear_ticks_with_multiplier(low, self.limit, max_count),
+                }
+            });
+        let unit = match multiplier.is_empty() {
+            true => 1.0,
+            false => 10_f64.powi(scale::common_exponent(ticks.iter().map(|(value, _)| *value))),
+        };
+        let end_label = |value: f64| format_number(value / unit);
         let mut ends = Vec::new();
         if self.has_clipped_values[1] {
-            ends.push((self.limit, format!("≥ {}", format_number(self.limit))));
+            ends.push((self.limit, format!("≥ {}", end_label(self.limit))));
             if self.has_clipped_values[0] {
-                ends.push((low, format!("≤ {}", format_number(low))));
+                ends.push((low, format!("≤ {}", end_label(low))));
             }
         } else if ticks.len() < 2 {
-            ends.push((self.limit, format_number(self.limit)));
+            ends.push((self.limit, end_label(self.limit)));
         }
         let apart = |(value, label): &Tick| {
             ends.iter().all(|(end, label_text)| {
@@ -188,6 +203,6 @@ impl ColourScale {
         };
         ticks.retain(apart);
         ticks.extend(ends);
-        ticks
+        (ticks, multiplier)
     }
 }

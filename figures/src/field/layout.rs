@@ -54,7 +54,7 @@ impl FieldFigure {
         let wide = content_width - axis - TICK_LABEL_MARGIN;
         let has_bar = scale.limit > 0.0;
         let bar_width = if has_bar {
-            let ticks = self.bar_ticks(scale, max_height, true);
+            let (ticks, _) = self.bar_ticks(scale, max_height, true);
             BAR_GAP + BAR_WIDTH + 14.0 + page::max_label_width(&ticks) + 12.0 + AXIS_NAME_SIZE
         } else {
             0.0

@@ -20,12 +20,13 @@ impl FieldFigure {
         if ticks.len() < 2 && ends[0].1 != ends[1].1 { ends.to_vec() } else { ticks }
     }
 
+    /// Computes the ticks of the colour bar and the text of their common factor.
     pub(super) fn bar_ticks(
         &self,
         scale: &ColourScale,
         length: f64,
         is_vertical: bool,
-    ) -> Vec<Tick> {
+    ) -> (Vec<Tick>, String) {
         scale.ticks(length, is_vertical, self.label.contains('°'))
     }
 }

@@ -53,7 +53,9 @@ impl Picture {
         let [width, height] = match options.size {
             None => [self.width, self.height].map(|length| length.to_string()),
             Some(FigureSize::Pixels(size)) => size.map(|length| length.to_string()),
-            Some(FigureSize::Millimetres(size)) => size.map(|length| format!("{length}mm")),
+            Some(FigureSize::Millimetres(_) | FigureSize::MillimetresWide(_)) => {
+                options.printed_size(self.size()).map(|length| format!("{length}mm"))
+            }
         };
         // A viewer fits the view box in this size and centres it.
         let nominal = format!("width=\"{width}\" height=\"{height}\"");

@@ -2,11 +2,12 @@
 
 use super::circles::RING_LABEL_SIZE;
 use super::labels::{
-    ANGLE_LABEL_DISTANCE, LABEL_ROW_HEIGHT, SpokeLabel, draw_angle_labels, draw_spoke_labels,
+    ANGLE_LABEL_DISTANCE, LABEL_ROW_HEIGHT, SPOKE_LABEL_DISTANCE, SpokeLabel, draw_angle_labels,
+    draw_spoke_labels, list_names, max_label_width,
 };
 use super::radius_axis::{RADIUS_AXIS_HEIGHT, draw_radius_axis};
 use crate::page::{self, Legend, LegendEntry, MARGIN};
-use crate::picture::{Picture, Point, Rectangle};
+use crate::picture::{PALE_INK, Picture, Point, Rectangle};
 use crate::scale::Tick;
 
 /// Page of a polar figure; the figure draws its disc, circles and curves into `picture`.
@@ -24,23 +25,40 @@ pub(crate) struct DiscPage {
 }
 
 impl DiscPage {
-    /// Creates a page with heading; the disc is as large as its labels and the legend permit.
+    /// Creates a page with heading; the disc is as large as its labels and the legend permit. On a narrow page, spokes are
+    /// labelled by their angles, and their names are in the legend.
     pub(crate) fn new(
         [title, subtitle]: [&str; 2],
-        entries: Vec<LegendEntry>,
+        mut entries: Vec<LegendEntry>,
         labels: [Vec<SpokeLabel>; 2],
     ) -> Self {
-        let legend = Legend::new(entries, page::WIDTH - 2.0 * MARGIN);
+        let is_narrow = page::is_narrow();
+        if is_narrow {
+            let names = list_names(&labels).into_iter();
+            entries.extend(names.map(|text| (text, Box::new(draw_leader_swatch) as _)));
+        }
+        let legend = Legend::new(entries, page::width() - 2.0 * MARGIN);
         let top = page::heading_bottom(title, subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
         let count = labels.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let min_height = (count * LABEL_ROW_HEIGHT + 20.0).max(780.0);
+        let min_height = (count * LABEL_ROW_HEIGHT + 20.0).max(page::scale_height(780.0));
         let below = below + RADIUS_AXIS_HEIGHT;
-        let height = (page::HEIGHT + 60.0).max(top + min_height + below).ceil();
+        let rim_height = ANGLE_LABEL_DISTANCE + 0.7 * RING_LABEL_SIZE;
+        let max_radius = match is_narrow {
+            true => {
+                let beside = SPOKE_LABEL_DISTANCE + max_label_width(&labels);
+                0.5 * page::width() - MARGIN - beside
+            }
+            false => 440.0,
+        };
+        let usual_height = match is_narrow {
+            true => page::height().min(top + 2.0 * (max_radius + rim_height) + below),
+            false => page::disc_page_height(),
+        };
+        let height = usual_height.max(top + min_height + below).ceil();
         let area =
-            Rectangle { left: MARGIN, top, right: page::WIDTH - MARGIN, bottom: height - below };
-        let radius =
-            (0.5 * area.height() - ANGLE_LABEL_DISTANCE - 0.7 * RING_LABEL_SIZE).min(440.0);
+            Rectangle { left: MARGIN, top, right: page::width() - MARGIN, bottom: height - below };
+        let radius = (0.5 * area.height() - rim_height).min(max_radius);
         let centre = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
         let picture = page::create_page(height, title, subtitle);
         Self { picture, centre, radius, area, labels, legend }
@@ -68,4 +86,10 @@ impl DiscPage {
         self.legend.draw(&mut self.picture, MARGIN, top);
         self.picture
     }
+}
+
+/// Draws a leader line as the swatch of the name of a spoke.
+fn draw_leader_swatch(picture: &mut Picture, area: Rectangle) {
+    let y = 0.5 * (area.top + area.bottom);
+    picture.draw_line([[area.left + 0.5 * area.width(), y], [area.right, y]], 1.4, PALE_INK);
 }

@@ -19,7 +19,8 @@ impl PolarFigure {
     /// # Errors
     /// Rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture().render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture()).render(output)
     }
 
     pub(super) fn finite_spokes(&self) -> impl Iterator<Item = &Spoke> {

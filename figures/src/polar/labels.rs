@@ -14,6 +14,11 @@ pub(crate) const LABEL_ROW_HEIGHT: f64 = 1.4 * TICK_LABEL_SIZE;
 /// Approximate distance from the rim to the centres of the angles written around it, pixels.
 pub(crate) const ANGLE_LABEL_DISTANCE: f64 = 32.0;
 
+/// Distance from the rim to the labels of spokes, which lie outside the angles written around the rim, pixels.
+pub(super) const SPOKE_LABEL_DISTANCE: f64 = 2.0 * ANGLE_LABEL_DISTANCE + 12.0;
+/// Font size of the labels of spokes, pixels.
+const SPOKE_LABEL_SIZE: f64 = TICK_LABEL_SIZE - 2.0;
+
 /// Label of all spokes with the same angle, rounded to 0.01°.
 pub(crate) struct SpokeLabel {
     pub(super) angle_deg: f64,
@@ -28,6 +33,42 @@ impl SpokeLabel {
             None => String::new(),
         }
     }
+
+    /// Returns the text beside the disc: on a narrow page the angle.
+    fn to_text_beside_disc(&self) -> String {
+        match self.texts.first() {
+            Some(angle) if page::is_narrow() => angle.clone(),
+            _ => self.to_text(),
+        }
+    }
+}
+
+/// Lists the names of spokes, each with its angles, in ascending order of the first: `30°, 150° stationary discontinuity`.
+pub(super) fn list_names(labels: &[Vec<SpokeLabel>; 2]) -> Vec<String> {
+    let mut named: Vec<&SpokeLabel> =
+        labels.iter().flatten().filter(|label| label.texts.len() > 1).collect();
+    named.sort_by(|one, other| one.angle_deg.total_cmp(&other.angle_deg));
+    let mut angles_by_name: Vec<(String, Vec<&str>)> = Vec::new();
+    for label in named {
+        let (angle, name) = (label.texts[0].as_str(), label.texts[1..].join(", "));
+        match angles_by_name.iter_mut().find(|own| own.0 == name) {
+            Some((_, angles)) => angles.push(angle),
+            None => angles_by_name.push((name, vec![angle])),
+        }
+    }
+    angles_by_name
+        .into_iter()
+        .map(|(name, angles)| format!("{} {name}", angles.join(", ")))
+        .collect()
+}
+
+/// Returns the width of the widest label beside the disc, pixels.
+pub(super) fn max_label_width(labels: &[Vec<SpokeLabel>; 2]) -> f64 {
+    let widths = labels
+        .iter()
+        .flatten()
+        .map(|label| text_width(&label.to_text_beside_disc(), SPOKE_LABEL_SIZE, false));
+    widths.fold(0.0, f64::max)
 }
 
 /// Builds the labels on the right and on the left of the disc, from top to bottom, at the upper ends of the spokes;
@@ -100,8 +141,7 @@ pub(crate) fn draw_spoke_labels(
 ) -> Vec<[Point; 2]> {
     let mut leaders = Vec::new();
     let sign = if is_right { 1.0 } else { -1.0 };
-    // Labels of spokes lie outside the angles written around the rim.
-    let away = radius + 2.0 * ANGLE_LABEL_DISTANCE + 12.0;
+    let away = radius + SPOKE_LABEL_DISTANCE;
     let preferred_heights: Vec<f64> =
         labels.iter().map(|label| polar_to_point(centre, label.angle_deg, away)[1]).collect();
     let heights = spread_heights(
@@ -120,7 +160,7 @@ pub(crate) fn draw_spoke_labels(
         let free_width = if is_right { area.right - x } else { x - area.left };
         let anchor = if is_right { Anchor::Start } else { Anchor::End };
         let (label_text, size) =
-            page::fit_text(&label.to_text(), TICK_LABEL_SIZE - 2.0, free_width);
+            page::fit_text(&label.to_text_beside_disc(), SPOKE_LABEL_SIZE, free_width);
         let text = Text::new([x, y + 0.36 * size], anchor, size, label_text);
         picture.draw_text(text);
     }

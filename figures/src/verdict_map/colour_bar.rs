@@ -56,8 +56,7 @@ impl VerdictMap {
             picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
         }
         picture.draw_frame(bar, FRAME_LINE_WIDTH, INK);
-        let (name, size) = page::fit_text(&self.level_label, AXIS_NAME_SIZE, frame.height());
-        let at = [page::WIDTH - MARGIN - 0.3 * AXIS_NAME_SIZE, 0.5 * (frame.top + frame.bottom)];
-        picture.draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
+        let x = page::width() - MARGIN - 0.3 * AXIS_NAME_SIZE;
+        page::draw_vertical_name(picture, x, [frame.top, frame.bottom], &self.level_label);
     }
 }

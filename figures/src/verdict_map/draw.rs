@@ -20,19 +20,21 @@ impl VerdictMap {
     /// An axis is not a uniform grid, a list does not have one value per cell, a cell has an undefined category, or
     /// rendering or encoding fails.
     pub fn draw(&self, output: impl Into<FigureOutput>) -> Result<Vec<u8>, FigureError> {
-        self.to_picture()?.render(output)
+        let output = output.into();
+        output.lay_out(|| self.to_picture())?.render(output)
     }
 
     pub(super) fn to_picture(&self) -> Result<Picture, FigureError> {
         let (x, y) = (AxisExtent::from_axis(&self.x)?, AxisExtent::from_axis(&self.y)?);
         self.validate()?;
         let range = LevelRange::from_levels(self.ill_posed_levels().map(|(_, level)| level));
-        let legend = Legend::new(self.legend_entries(range.as_ref()), page::WIDTH - 2.0 * MARGIN);
+        let legend = Legend::new(self.legend_entries(range.as_ref()), page::width() - 2.0 * MARGIN);
 
         // The heading is laid out first to find its height; the figure grows with the legend.
         let top = page::heading_bottom(&self.title, &self.subtitle);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
-        let height = page::HEIGHT.max(top + 480.0 + below).ceil();
+        let min_height = page::scale_height(if page::is_narrow() { 640.0 } else { 480.0 });
+        let height = page::height().max(top + min_height + below).ceil();
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
 
         let bottom = height - below;
@@ -54,7 +56,7 @@ impl VerdictMap {
         let frame = Rectangle {
             left: MARGIN + page::left_axis_width(&y_ticks),
             top,
-            right: page::WIDTH - MARGIN - bar_width,
+            right: page::width() - MARGIN - bar_width,
             bottom,
         };
         let x_ticks = x.ticks(&self.x, frame.width(), false);

@@ -112,7 +112,20 @@ impl FlowCheck {
                 .iter()
                 .map(|curve| curve.measured_points.clone())
                 .collect(),
+            disagreeing_points: self.collect_disagreeing_points(),
         }
+    }
+
+    /// Returns the measured points of the rate curves that disagree with the prediction.
+    fn collect_disagreeing_points(&self) -> Vec<[f64; 2]> {
+        let rows = self.mode_checks.iter().filter(|row| row.is_in_agreement == Some(false));
+        let points = rows.filter_map(|row| {
+            Some([row.wave.wave_number, row.extrapolated_rate?.growth_rate.abs()])
+        });
+        let is_drawn = |point: &[f64; 2]| {
+            self.rate_curves.iter().any(|curve| curve.measured_points.contains(point))
+        };
+        points.filter(is_drawn).collect()
     }
 
     /// Creates the figure of the growth rate of the fastest growing wave of each grid, 1/s, against its wave number,
@@ -134,6 +147,12 @@ impl FlowCheck {
             },
             points: points(own, |grid| grid.predicted_growth),
         };
+        let failed = self
+            .refinements
+            .iter()
+            .filter(|own| own.is_growing)
+            .flat_map(|own| own.fastest_modes.iter().filter(|grid| !grid.is_in_agreement));
+        let disagreeing = failed.map(|grid| [grid.wave_number, grid.measured_growth]);
         Some(SpectrumFigure {
             title: case_title(case),
             subtitle: "the fastest growing wave of each grid: lines from the analysis, rings from the solver"
@@ -146,6 +165,7 @@ impl FlowCheck {
                 .iter()
                 .map(|own| points(own, |grid| grid.measured_growth))
                 .collect(),
+            disagreeing_points: disagreeing.collect(),
         })
     }
 }

@@ -41,13 +41,14 @@ impl Report for CheckResult {
         Ok(match &self.outcome {
             CheckOutcome::NotMeasurable { reason } => {
                 let (title, subtitle) = (case_title(case), self.medium_title.clone());
-                let figure =
-                    NoteFigure { title, subtitle, text: format!("not measurable: {reason}") };
+                let text = format!("not measurable: {reason}");
+                let figure = NoteFigure { title, subtitle, text, is_disagreement: false };
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
             }
             CheckOutcome::Equations(own) => {
                 let (title, subtitle) = (case_title(case), self.medium_title.clone());
-                let figure = NoteFigure { title, subtitle, text: own.summary() };
+                let is_disagreement = !own.is_in_agreement();
+                let figure = NoteFigure { title, subtitle, text: own.summary(), is_disagreement };
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]
             }
             CheckOutcome::Solid(own) => {

@@ -74,7 +74,12 @@ impl ShockCheck {
         if columns.is_empty() {
             let reason = self.columns.iter().find_map(|own| own.unmeasured_reason.clone());
             let text = format!("not measurable: {}", reason.unwrap_or_default());
-            return Err(NoteFigure { title, subtitle: String::new(), text });
+            return Err(NoteFigure {
+                title,
+                subtitle: String::new(),
+                text,
+                is_disagreement: false,
+            });
         }
         let describe = |own: &&ColumnCheck| {
             let time = format_short(own.time / MILLISECOND);
@@ -120,13 +125,28 @@ impl ColumnCheck {
             _ => "position x₁ (m)",
         };
         let end = self.measured_profile.last().map_or(0.0, |own| own[0]);
-        let panel = |y_label: &str, exact: Vec<[f64; 2]>, measured: Vec<[f64; 2]>| CurvePanel {
-            x_label: x_label.into(),
-            y_label: y_label.into(),
-            curves: vec![LabelledCurve { label: "solver".into(), points: measured }],
-            reference_lines: vec![LabelledCurve { label: "exact solution".into(), points: exact }],
-            ..CurvePanel::default()
+        // A quantity that disagrees is shown by the panel of its unit; positions and times concern both.
+        let disagrees = |other_unit: &str| {
+            let mut failed =
+                self.quantity_checks.iter().filter(|own| own.is_in_agreement == Some(false));
+            failed.any(|own| own.unit != other_unit)
         };
+        let panel =
+            |[y_label, other_unit]: [&str; 2], exact: Vec<[f64; 2]>, measured: Vec<[f64; 2]>| {
+                let disagrees = disagrees(other_unit);
+                let label = if disagrees { "solver, disagrees" } else { "solver" };
+                CurvePanel {
+                    x_label: x_label.into(),
+                    y_label: y_label.into(),
+                    curves: vec![LabelledCurve { label: label.into(), points: measured }],
+                    disagreeing_label: disagrees.then(|| label.into()),
+                    reference_lines: vec![LabelledCurve {
+                        label: "exact solution".into(),
+                        points: exact,
+                    }],
+                    ..CurvePanel::default()
+                }
+            };
         let exact = |value: fn(&crate::study::shocks::FrontState) -> f64| {
             let points = self.exact_profile.iter();
             points.map(|own| [own.position.min(end), value(&own.state)]).collect()
@@ -135,7 +155,7 @@ impl ColumnCheck {
             self.measured_profile.iter().map(|own| [own[0], value(own)]).collect()
         };
         let mut pressure = panel(
-            "pressure −σ₁₁ (MPa)",
+            ["pressure −σ₁₁ (MPa)", "m/s"],
             exact(|own| own.pressure / MEGAPASCAL),
             measured(|own| own[2] / MEGAPASCAL),
         );
@@ -149,7 +169,10 @@ impl ColumnCheck {
                 [least.min(point[1]), greatest.max(point[1])]
             });
         pressure.y_values = Some([least, greatest]);
-        [pressure, panel("velocity (m/s)", exact(|own| own.velocity), measured(|own| own[1]))]
+        [
+            pressure,
+            panel(["velocity (m/s)", "Pa"], exact(|own| own.velocity), measured(|own| own[1])),
+        ]
     }
 }
 

@@ -110,8 +110,8 @@ fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "maximum Re ς over all roots; left: k = {} 1/m, degenerate directions dashed; right: \
-             worst direction at each k",
+            "maximum Re ς over all roots; against the direction: k = {} 1/m, degenerate directions \
+             dashed; against k: worst direction at each k",
             format_short(wave.wave_number),
         ),
         by_direction: GrowthPanel {
@@ -127,7 +127,7 @@ fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
         },
         by_wave_number: GrowthPanel {
             x_label: "wave number k (1/m)".into(),
-            y_label: "max of Re ς over all directions (1/s)".into(),
+            y_label: "max Re ς, all directions (1/s)".into(),
             is_x_log: true,
             curves: lines(|state| {
                 state

@@ -239,7 +239,7 @@ fn create_figure(case: &Case, found: &SolidAnalysis) -> GrowthFigure {
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "{}: maximum Re ς over all roots; left: k = {} 1/m{above}",
+            "{}: maximum Re ς over all roots; against the direction: k = {} 1/m{above}",
             case.medium().title(),
             format_short(wave.wave_number)
         ),

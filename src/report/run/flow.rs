@@ -230,6 +230,7 @@ fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPic
         y_label: "kinetic energy (J/m³)".to_owned(),
         spectra: lines.collect(),
         measured_points: Vec::new(),
+        disagreeing_points: Vec::new(),
     };
     Some(ReportPicture::new("spectrum", move |format| figure.draw(format)))
 }

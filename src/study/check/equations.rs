@@ -147,7 +147,7 @@ pub(super) fn check_equations(
 }
 
 impl EquationsCheck {
-    pub(super) fn is_in_agreement(&self) -> bool {
+    pub(crate) fn is_in_agreement(&self) -> bool {
         self.wave_checks.iter().all(|own| own.is_in_agreement)
     }
 

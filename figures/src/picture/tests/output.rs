@@ -166,6 +166,7 @@ fn every_figure_takes_the_options() {
         title: "Title".to_owned(),
         subtitle: "subtitle".to_owned(),
         text: "reason".to_owned(),
+        is_disagreement: false,
     };
     let options = FigureOptions { has_heading: false, ..FigureOptions::default() };
     let svg = figure.draw(FigureOutput { format: FigureFormat::Svg, options }).unwrap();
@@ -190,21 +191,23 @@ fn figures_of_a_column_have_legible_texts() {
         }],
         times,
     };
-    let smallest_points = |size: [f64; 2]| {
-        let options =
-            FigureOptions { size: Some(FigureSize::Millimetres(size)), ..FigureOptions::default() };
+    let smallest_points = |size: FigureSize| {
+        let options = FigureOptions { size: Some(size), ..FigureOptions::default() };
         let output = FigureOutput { format: FigureFormat::Svg, options };
         let svg = String::from_utf8(figure.draw(output).unwrap()).unwrap();
         let number = |text: &str| text.split('"').next().unwrap().parse::<f64>().unwrap();
         let view_box = svg.split("viewBox=\"").nth(1).unwrap().split('"').next().unwrap();
         let sides: Vec<f64> = view_box.split(' ').map(|side| side.parse().unwrap()).collect();
-        let millimetres = (size[0] / sides[2]).min(size[1] / sides[3]);
+        let [width, height] = options.printed_size([sides[2], sides[3]]);
+        let millimetres = (width / sides[2]).min(height / sides[3]);
         let sizes = svg.split("font-size=\"").skip(1).map(number);
         sizes.fold(f64::INFINITY, f64::min) * millimetres * 72.0 / 25.4
     };
     // Tick labels have 26 pixels, the smallest text of all figures 22.
-    let column = smallest_points([85.0, 60.0]);
-    assert!((6.0..8.0).contains(&column), "{column}");
-    let page = smallest_points([170.0, 120.0]);
+    for size in [FigureSize::Millimetres([85.0, 60.0]), FigureSize::MillimetresWide(85.0)] {
+        let column = smallest_points(size);
+        assert!((6.0..8.0).contains(&column), "{size:?} {column}");
+    }
+    let page = smallest_points(FigureSize::Millimetres([170.0, 120.0]));
     assert!((page - 26.0 * 170.0 / 1600.0 * 72.0 / 25.4).abs() < 0.4, "{page}");
 }
