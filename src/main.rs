@@ -213,7 +213,7 @@ enum Verb {
         /// Template of plane waves in a granular or porous medium, for wellposed shocks; for the kind classical
         #[arg(long = "shocks", value_enum, conflicts_with_all = ["is_simulation", "yield_set"])]
         plane_wave: Option<PlaneWaveArgument>,
-        /// File to write [default: <KIND>.toml]
+        /// File to write [default: <KIND>.toml; with --shocks, granular.toml or porous.toml]
         file: Option<PathBuf>,
         /// Overwrite the file if it exists
         #[arg(long)]

@@ -422,6 +422,30 @@ impl Case {
         self.material.positions.key_error(key, found, allowed)
     }
 
+    /// Returns the key of the number whose magnitude is farthest from 1, as the likely cause of an overflow; `None` if all
+    /// magnitudes are between 10⁻¹⁰⁰ and 10¹⁰⁰.
+    pub fn find_extreme_number(&self) -> Option<(String, f64)> {
+        const MAX_EXPONENT: f64 = 100.0;
+        let mut section = String::new();
+        let mut extreme: Option<(String, f64)> = None;
+        let exponent = |value: f64| value.abs().log10().abs();
+        for line in self.to_toml().lines() {
+            if let Some(name) = line.strip_prefix('[').and_then(|own| own.strip_suffix(']')) {
+                name.clone_into(&mut section);
+                continue;
+            }
+            let Some((key, value)) = line.split_once(" = ") else { continue };
+            let Some(value) = value.parse().ok().filter(|value: &f64| *value != 0.0) else {
+                continue;
+            };
+            let most = extreme.as_ref().map_or(MAX_EXPONENT, |(_, own)| exponent(*own));
+            if exponent(value) > most {
+                extreme = Some((format!("{section}.{key}"), value));
+            }
+        }
+        extreme
+    }
+
     /// Returns the case without plot options; cases equal after this call have equal results.
     pub fn without_plot_options(&self) -> Self {
         let mut case = self.clone();

@@ -28,6 +28,17 @@ pub enum TemplateKind {
     PorousPlaneWave,
 }
 
+impl TemplateKind {
+    /// Returns the name of the file of a template without extension.
+    pub fn file_stem(self, medium: MediumKind) -> &'static str {
+        match self {
+            Self::GranularPlaneWave => "granular",
+            Self::PorousPlaneWave => "porous",
+            Self::SingleState | Self::Simulation | Self::BlockySimulation => medium.kind.name(),
+        }
+    }
+}
+
 /// Columns at which comments start: in templates of states, and in time-domain sections.
 const COMMENT_COLUMNS: [usize; 2] = [48, 29];
 
@@ -256,7 +267,7 @@ fn format_header(medium: MediumKind, purpose: TemplateKind) -> String {
 {verbs}
 
 title = \"{title}: a first case\"
-# name = \"{name}\"  # name of the results folder; default: name of this file
+# name = \"{stem}\"  # name of the results folder; default: name of this file
 {compare}
 [model]
 kind = \"{name}\"
@@ -288,8 +299,14 @@ kind = \"{name}\"
 # wellposed map FILE           verdicts over the two parameters of [map]"
             }
         },
-        title = medium.title(),
+        title = match purpose {
+            TemplateKind::GranularPlaneWave => "granular medium".to_owned(),
+            TemplateKind::PorousPlaneWave => "porous medium".to_owned(),
+            TemplateKind::BlockySimulation if !is_flow => "blocky medium".to_owned(),
+            _ => medium.title(),
+        },
         name = kind.name(),
+        stem = purpose.file_stem(medium),
         compare =
             if is_flow && purpose == TemplateKind::SingleState { COMPARE_COMMENT } else { "" },
     )

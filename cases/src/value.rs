@@ -205,6 +205,10 @@ pub(super) fn find_similar_name<'a>(
 ) -> Option<&'a str> {
     const MIN_SIMILARITY: f64 = 0.5; // half of the letters agree
     let name: String = name.chars().take(80).collect();
+    let name = match name.rsplit_once('.') {
+        Some((section, last)) => format!("{section}.{}", to_usual_name(last)),
+        None => to_usual_name(&name).to_owned(),
+    };
     candidates
         .into_iter()
         .map(|candidate| (name_similarity(&name, candidate), candidate))
@@ -212,6 +216,14 @@ pub(super) fn find_similar_name<'a>(
         // Of equally similar candidates the first one.
         .reduce(|best, other| if other.0 > best.0 { other } else { best })
         .map(|(_, candidate)| candidate)
+}
+
+/// Returns the name under which a quantity with another usual name is found here.
+fn to_usual_name(name: &str) -> &str {
+    match name {
+        "cfl" | "CFL" => "courant",
+        other => other,
+    }
 }
 
 /// Computes the similarity, 0 to 1, of a misspelt name and a candidate: the normalised Damerau–Levenshtein similarity to
@@ -259,6 +271,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn usual_names_find_the_name_here() {
+        let names = ["duration", "courant", "courant_of", "rotation_deg"];
+        assert_eq!(find_similar_name("cfl", names), Some("courant"));
+        assert_eq!(
+            find_similar_name("time.cfl", ["time.duration", "time.courant"]),
+            Some("time.courant")
+        );
+    }
+
+    #[test]
     fn misspelt_names_find_the_name_meant_and_no_other() {
         const NAMES: [&str; 6] = [
             "model.cohesion",
@@ -272,6 +294,7 @@ mod tests {
             ("model.fricton", Some("model.friction_angle_deg")),
             ("model.friction", Some("model.friction_angle_deg")),
             ("model.dilatency", Some("model.dilatancy_angle_deg")),
+            ("model.cfl", None),
             ("model.cohesoin", Some("model.cohesion")),
             ("background.presure", Some("background.pressure")),
             ("background.densty", Some("background.density")),

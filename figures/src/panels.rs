@@ -284,10 +284,12 @@ impl CurvePanel {
         self.draw_marks(picture, frame, |place| at([place, y[0]])[0]);
     }
 
-    /// Draws the marks above the frame, each with its name if that covers no other name.
+    /// Draws the marks above the frame, each with its name if that covers no other name. Names at the ends of the row are
+    /// moved inwards.
     fn draw_marks(&self, picture: &mut Picture, frame: Rectangle, to_pixel: impl Fn(f64) -> f64) {
         // Names may extend into the margins of the page.
-        let mut names_end = frame.left - MARGIN;
+        let [left_end, right_end] = [frame.left - MARGIN, frame.right + MARGIN];
+        let mut names_end = left_end;
         let mut marks: Vec<(f64, &CurveMark)> =
             self.marks.iter().map(|mark| (to_pixel(mark.x), mark)).collect();
         marks.retain(|(x, _)| (frame.left..=frame.right).contains(x));
@@ -295,10 +297,11 @@ impl CurvePanel {
         for (x, mark) in marks {
             draw_mark(picture, [x, frame.top - MARK_HEIGHT], mark.kind);
             let half = 0.5 * text_width(&mark.name, MARK_NAME_SIZE, false) + 4.0;
-            if x - half >= names_end && x + half <= frame.right + MARGIN && !mark.name.is_empty() {
-                let at = [x, frame.top - 2.0 * MARK_HEIGHT];
+            let middle = x.min(right_end - half).max(left_end + half);
+            if middle - half >= names_end && !mark.name.is_empty() {
+                let at = [middle, frame.top - 2.0 * MARK_HEIGHT];
                 picture.draw_text(Text::new(at, Anchor::Middle, MARK_NAME_SIZE, &mark.name));
-                names_end = x + half;
+                names_end = middle + half;
             }
         }
     }
@@ -395,6 +398,25 @@ mod tests {
         assert!(texts.contains(&"pressure p (10⁶ MPa)") && texts.contains(&"−4"), "{texts:?}");
         let end = picture.texts().find(|own| own.content == "8.0").unwrap();
         assert!((end.anchor_point[0] - (page::WIDTH - MARGIN - 16.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn marks_at_the_ends_have_their_names() {
+        let mut own = panel(vec![vec![[0.0, 0.0], [10.0, 1.0]]]);
+        own.x_ends = Some([0.0, 10.0]);
+        let mark = |x: f64, name: &str| CurveMark {
+            x,
+            name: name.to_owned(),
+            kind: FieldMarkKind::Receiver,
+        };
+        own.marks = vec![mark(0.0, "bottom of the column"), mark(10.0, "surface of the column")];
+        let figure = PanelsFigure { title: "T".into(), subtitle: String::new(), panels: vec![own] };
+        let picture = figure.to_picture();
+        picture.assert_texts_do_not_overlap();
+        for name in ["bottom of the column", "surface of the column"] {
+            let text = picture.texts().find(|own| own.content == name).unwrap();
+            assert!(text.bounds().left >= 0.0 && text.bounds().right <= page::WIDTH, "{name}");
+        }
     }
 
     #[test]

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 
 pub use crate::case::template::{TemplateKind, generate_state_template, generate_template};
 
-/// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`; returns the path.
+/// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`, of plane waves
+/// `granular.toml` or `porous.toml`; returns the path.
 ///
 /// # Errors
 /// The model has no template for `purpose`, the file exists and `force` is not set, the path exists and is not a regular
@@ -19,7 +20,8 @@ pub fn write_template(
     file: Option<&Path>,
     force: bool,
 ) -> Result<PathBuf, CommandError> {
-    let path = file.map_or_else(|| format!("{}.toml", medium.kind.name()).into(), Path::to_owned);
+    let path =
+        file.map_or_else(|| format!("{}.toml", purpose.file_stem(medium)).into(), Path::to_owned);
     let usage_error = |argument: &str, found: String, allowed: &str| UsageError {
         argument: argument.to_owned(),
         found,

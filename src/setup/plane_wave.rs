@@ -249,6 +249,16 @@ pub(crate) fn create_solver_medium(
 
 /// Converts an error of a plane wave problem to an error at a key of the case.
 pub fn locate_plane_wave_error(case: &Case, key: &str, error: PlaneWaveError) -> CaseError {
+    let extreme = match error {
+        PlaneWaveError::NotFinite => case.find_extreme_number(),
+        _ => None,
+    };
+    if let Some((key, value)) = extreme {
+        let allowed =
+            "the waves are not finite: use a number that is neither so large nor so small";
+        let found = format!("found {value}", value = value.to_plain_text());
+        return case.plane_wave_error(&key, found, allowed.to_owned());
+    }
     let (found, allowed) = match error {
         PlaneWaveError::OutOfRange { quantity, value, allowed } => (
             format!("found {value} for {quantity}", value = value.to_plain_text()),

@@ -108,6 +108,7 @@ impl Isotropic {
     ) -> Result<Self, InputError> {
         const BULK_CONDITION: &str = "the energy is positive definite only for 3λ + 2μ > 0";
         MU.check(mu, "the energy is positive definite only for μ > 0, in Pa")?;
+        check_sum([("lambda", lambda), ("mu", mu)], "3λ + 2μ")?;
         check_positive("lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK_CONDITION)?;
         DENSITY.check(density, "the density must be positive, ρ > 0, in kg/m³")?;
         if let Some(Microrotation { alpha, inertia, couple }) = microrotation {
@@ -119,6 +120,7 @@ impl Isotropic {
                 const TORSION_CONDITION: &str =
                     "the energy is positive definite only for 3β + 2γ > 0";
                 GAMMA.check(gamma, "the energy is positive definite only for γ > 0, in N")?;
+                check_sum([("beta", beta), ("gamma", gamma)], "3β + 2γ")?;
                 check_positive("beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION_CONDITION)?;
                 ETA.check(eta, "the energy is positive definite only for η > 0, in N")?;
             }
@@ -315,6 +317,21 @@ fn stored_tensor_energy<N: Number>(
                 / *antisymmetric;
     }
     sum + (N::ONE + N::HALF) * mean_stress * mean_stress / *mean
+}
+
+/// Checks that 3a + 2b, called `name`, is finite for two moduli a and b with their keys; an overflow is the fault of the
+/// larger one.
+fn check_sum(
+    [(first, a), (second, b)]: [(&'static str, f64); 2],
+    name: &str,
+) -> Result<(), InputError> {
+    let (key, value) = if a.abs() > b.abs() { (first, a) } else { (second, b) };
+    ensure(
+        (3.0 * a + 2.0 * b).is_finite(),
+        key,
+        value,
+        format_args!("a modulus so large that {name} overflows is not allowed"),
+    )
 }
 
 fn check_positive(

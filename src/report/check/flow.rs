@@ -129,8 +129,8 @@ impl FlowCheck {
     }
 
     /// Creates the figure of the growth rate of the fastest growing wave of each grid, 1/s, against its wave number,
-    /// with one curve per model. The curve has no points if the fastest mode does not grow on every grid. `None`
-    /// without refinement.
+    /// with one curve per model. The curve has no points if the fastest mode does not grow on every grid; the subtitle
+    /// then names the model. `None` without refinement.
     pub(super) fn create_refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {
@@ -141,11 +141,18 @@ impl FlowCheck {
         let counts: Vec<String> =
             first.fastest_modes.iter().map(|grid| format!("{}²", grid.point_counts[0])).collect();
         let line = |own: &RefinementCheck| LabelledCurve {
-            label: match own.is_growing {
-                true => own.model_title.to_owned(),
-                false => format!("{}: nothing grows", own.model_title),
-            },
+            label: own.model_title.to_owned(),
             points: points(own, |grid| grid.predicted_growth),
+        };
+        let models: Vec<&str> = self
+            .refinements
+            .iter()
+            .filter(|own| !own.is_growing)
+            .map(|own| own.model_title)
+            .collect();
+        let without_growth = match models.is_empty() {
+            true => String::new(),
+            false => format!("; nothing grows: {}", models.join(", ")),
         };
         let failed = self
             .refinements
@@ -155,8 +162,9 @@ impl FlowCheck {
         let disagreeing = failed.map(|grid| [grid.wave_number, grid.measured_growth]);
         Some(SpectrumFigure {
             title: case_title(case),
-            subtitle: "the fastest growing wave of each grid: lines from the analysis, rings from the solver"
-                .to_owned(),
+            subtitle: format!(
+                "the fastest growing wave of each grid: lines from the analysis, rings from the solver{without_growth}"
+            ),
             x_label: format!("its wave number k on {} points, 1/m", counts.join(", ")),
             y_label: "growth rate γ, 1/s".to_owned(),
             spectra: self.refinements.iter().map(line).collect(),
