@@ -48,7 +48,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::CountList { length: [2, MAX_GRIDS], minimum: MIN_CELLS, order: CountConstraint::Ascending },
             "",
             "[20, 30, 40]",
-            "grid sizes, ascending; solids: cells per period along each axis of two or three grids; flows: points along each axis of the grids of the convergence study",
+            "grid sizes, ascending; solids: cells per period along each axis of two or three grids; plane waves: cells of the columns, in two to five; flows: points along each axis of two to five grids of the convergence study",
         )
         .with_note("cells per period"),
     ])],

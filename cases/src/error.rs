@@ -68,6 +68,18 @@ pub enum CaseError {
     },
 }
 
+impl CaseError {
+    /// Returns whether the error is in a `--set` option.
+    pub fn is_in_setting(&self) -> bool {
+        match self {
+            Self::Unreadable { .. } => false,
+            Self::Syntax { position, .. } | Self::Key { position, .. } => {
+                matches!(position, SourcePosition::Option(_))
+            }
+        }
+    }
+}
+
 /// Escapes control characters of user text and truncates it to 80 characters, for one-line messages.
 pub(super) fn escape(text: &str) -> String {
     const MAX_CHARACTERS: usize = 80;

@@ -37,6 +37,8 @@ pub struct CurvePanel {
     /// Sets of positions on the horizontal axis with a legend text each, such as borders between materials, drawn as
     /// thin vertical lines below the curves; the first three sets have distinct styles.
     pub positions: Vec<(String, Vec<f64>)>,
+    /// Legend text and value of a level of the vertical axis, drawn as a thin dashed line below the curves.
+    pub level: Option<(String, f64)>,
     /// Sources and receivers at positions on the horizontal axis, drawn above the panel with their names.
     pub marks: Vec<CurveMark>,
 }
@@ -68,7 +70,9 @@ const REFERENCE_LINE_WIDTH: f64 = 12.0;
 const POINT_RADIUS: f64 = 7.0;
 /// Dashes of the vertical lines at sets of positions.
 const POSITION_DASHES: [&[f64]; 3] = [&[], &[10.0, 6.0], &[3.0, 5.0]];
-/// Width of the vertical lines at positions, pixels.
+/// Dashes of levels.
+const LEVEL_DASHES: &[f64] = &[14.0, 8.0];
+/// Width of the lines at positions and levels, pixels.
 const POSITION_LINE_WIDTH: f64 = 1.8;
 /// Font size of the names of marks, pixels.
 const MARK_NAME_SIZE: f64 = 22.0;
@@ -152,6 +156,11 @@ impl PanelsFigure {
             };
             entries.push((label.to_owned(), Box::new(swatch)));
         }
+        if let Some((label, _)) = self.panels.iter().find_map(|panel| panel.level.as_ref()) {
+            let swatch =
+                |picture: &mut Picture, area: Rectangle| draw_level(picture, swatch_line(area));
+            entries.push((label.clone(), Box::new(swatch)));
+        }
         for (kind, label) in
             [(FieldMarkKind::Source, "source"), (FieldMarkKind::Receiver, "receiver")]
         {
@@ -192,6 +201,11 @@ fn draw_position(picture: &mut Picture, index: usize, x: f64, area: Rectangle) {
     picture.draw_curve(&ends, dashes, POSITION_LINE_WIDTH, PALE_INK);
 }
 
+/// Draws the line of a level.
+fn draw_level(picture: &mut Picture, ends: [[f64; 2]; 2]) {
+    picture.draw_curve(&ends, LEVEL_DASHES, POSITION_LINE_WIDTH, PALE_INK);
+}
+
 fn swatch_line(area: Rectangle) -> [[f64; 2]; 2] {
     let middle = 0.5 * (area.top + area.bottom);
     [[area.left, middle], [area.right, middle]]
@@ -205,6 +219,7 @@ impl CurvePanel {
             let curves = self.curves.iter().chain(&self.reference_lines);
             curves.flat_map(|curve| &curve.points).chain(&self.points)
         };
+        let level = self.level.as_ref().map(|(_, value)| *value);
         let is_valid = |[from, to]: &[f64; 2]| from < to && to - from < FINITE_LIMIT;
         let x = match self.x_ends.filter(is_valid) {
             Some(ends) => ends,
@@ -212,7 +227,7 @@ impl CurvePanel {
         };
         let y = match self.y_values {
             Some(ends) => axis_range(ends.into_iter()),
-            None => axis_range(all().map(|point| point[1])),
+            None => axis_range(all().map(|point| point[1]).chain(level)),
         };
         let (y_ticks, y_factor) =
             page::choose_ticks_with_multiplier(area.height(), true, |count| {
@@ -249,6 +264,10 @@ impl CurvePanel {
             for place in places.iter().filter(|place| (x[0]..=x[1]).contains(place)) {
                 draw_position(picture, index, at([*place, y[0]])[0], frame);
             }
+        }
+        if let Some(level) = level.filter(|level| (y[0]..=y[1]).contains(level)) {
+            let height = at([x[0], level])[1];
+            draw_level(picture, [[frame.left, height], [frame.right, height]]);
         }
         for line in &self.reference_lines {
             for part in parts(line) {

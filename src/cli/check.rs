@@ -8,7 +8,7 @@ use super::progress::{
 use super::write::{
     CostEstimate, list_planned_paths, print_plan, print_report, select_folder, write_report_files,
 };
-use crate::case::Case;
+use crate::case::{Case, CaseError};
 use crate::cli::folder::{self, OutputError};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options, OutputFormat};
@@ -32,7 +32,7 @@ const FOLDER_ESTIMATE_TIME: Duration = Duration::from_secs(3);
 /// # Errors
 /// A case cannot be read or is invalid, its state cannot be analysed, the folder contains no case, the threads cannot
 /// be started, results cannot be written, or measurement and prediction disagree. A case that no solver supports is no
-/// error.
+/// error. The cases of a folder that cannot be read are counted after the check of the others.
 pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let pool = create_thread_pool(options.thread_count)?;
     match options.case_path.is_dir() {
@@ -140,23 +140,30 @@ fn check_folder(
     }
     let progress = DelayedProgressBar::new("check", 1);
     let mut summaries = Vec::new();
+    let mut unreadable_count = 0;
     for (index, path) in files.iter().enumerate() {
-        let case = Case::load(path, &options.settings)?;
-        progress.hide_during(|| print_hints(&case));
         let name = path.display().to_string();
         let place = [index as u64, files.len() as u64];
-        let found = run_in_series_with_progress(pool, &progress, place, |on_progress| {
-            study::check_agreement(&case, CheckExtent::Short, on_progress)
-        });
-        let summary = match found {
-            Ok(found) => CaseCheckSummary::from_result(&name, &found),
-            Err(crate::Error::Case(error)) => CaseCheckSummary {
-                text: format!("FAILS: {error}"),
-                json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
-                is_in_agreement: Some(false),
-                error: f64::INFINITY,
-            },
-            Err(error) => return Err(error.into()),
+        let summary = match Case::load(path, &options.settings) {
+            // An error in a setting concerns all cases.
+            Err(error) if error.is_in_setting() => return Err(error.into()),
+            Err(error) => {
+                unreadable_count += 1;
+                CaseCheckSummary::from_error("CANNOT BE READ", &name, &error)
+            }
+            Ok(case) => {
+                progress.hide_during(|| print_hints(&case));
+                let found = run_in_series_with_progress(pool, &progress, place, |on_progress| {
+                    study::check_agreement(&case, CheckExtent::Short, on_progress)
+                });
+                match found {
+                    Ok(found) => CaseCheckSummary::from_result(&name, &found),
+                    Err(crate::Error::Case(error)) => {
+                        CaseCheckSummary::from_error("FAILS", &name, &error)
+                    }
+                    Err(error) => return Err(error.into()),
+                }
+            }
         };
         let text = format!("{name:<56} {}", summary.text);
         if options.format == OutputFormat::Text && !options.only_disagreeing {
@@ -178,6 +185,10 @@ fn check_folder(
             writeln!(stdout, "{}", own.text)?;
         }
     }
+    if unreadable_count > 0 {
+        let total_count = files.len();
+        return Err(CommandError::UnreadableCases { unreadable_count, total_count });
+    }
     fail_on_disagreement(failed, all, "cases")
 }
 
@@ -191,13 +202,13 @@ fn estimate_folder(
     let limit = ESTIMATE_TIME.min(FOLDER_ESTIMATE_TIME / files.len() as u32);
     let mut seconds = 0.0;
     for path in files {
-        let case = Case::load(path, &options.settings)?;
+        // The check of a folder goes on with the next case.
+        let Ok(case) = Case::load(path, &options.settings) else { continue };
         let estimate = estimate_time_within(pool, limit, |on_progress| {
             study::check_agreement(&case, CheckExtent::Short, on_progress)
         });
         match estimate {
             Ok(own) => seconds += own,
-            // The check of a folder goes on with the next case.
             Err(crate::Error::Case(_)) => {}
             Err(error) => return Err(error.into()),
         }
@@ -216,6 +227,16 @@ struct CaseCheckSummary {
 }
 
 impl CaseCheckSummary {
+    /// Returns the line of a case that cannot be read or checked.
+    fn from_error(verdict: &str, name: &str, error: &CaseError) -> Self {
+        Self {
+            text: format!("{verdict}: {error}"),
+            json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
+            is_in_agreement: Some(false),
+            error: f64::INFINITY,
+        }
+    }
+
     fn from_result(name: &str, found: &CheckResult) -> Self {
         if let CheckOutcome::NotMeasurable { reason } = &found.outcome {
             let text = format!("not measurable: {reason}");

@@ -50,6 +50,16 @@ pub enum CommandError {
         /// Noun of the message: `rows` or `cases`.
         noun: &'static str,
     },
+    /// Cases of a checked folder cannot be read; the others were checked.
+    #[error(
+        "{unreadable_count} of {total_count} cases cannot be read: correct them, or name a folder without them"
+    )]
+    UnreadableCases {
+        /// Number of cases that cannot be read.
+        unreadable_count: usize,
+        /// Total number of cases.
+        total_count: usize,
+    },
     /// The arguments of the program are invalid.
     #[error(transparent)]
     Usage(#[from] UsageError),
@@ -169,7 +179,9 @@ impl CommandError {
     /// Returns the kind of the error, one word: the value of `kind` in the JSON object.
     fn kind(&self) -> &'static str {
         match self {
-            Self::Study(crate::Error::Case(_)) | Self::YieldSet(_) => "case",
+            Self::Study(crate::Error::Case(_))
+            | Self::YieldSet(_)
+            | Self::UnreadableCases { .. } => "case",
             Self::Study(crate::Error::Memory { .. }) => "memory",
             Self::Study(crate::Error::IllPosed(_)) | Self::IllPosed(_) => "ill-posed",
             Self::Output(_) => "output",

@@ -130,7 +130,7 @@ pub(super) fn execute_run(
     let result = pool.install(|| job.execute(&mut recorder)).map_err(|error| {
         CommandError::from_run_error(error, &run.folder.path().display().to_string())
     })?;
-    if let Some(warning) = result.residual_warning() {
+    for warning in result.warnings() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
     let RunContext { case, folder, pictures, .. } = run;

@@ -83,7 +83,9 @@ impl DiagramResult {
             format!("{from} … {to}")
         };
         let row = |segment: &SegmentResult| {
-            let slope = segment.slope.map_or_else(|| "curved".to_owned(), format_short);
+            let is_vertical = segment.strain[0] == segment.strain[1];
+            let no_slope = if is_vertical { "vertical" } else { "curved" };
+            let slope = segment.slope.map_or_else(|| no_slope.to_owned(), format_short);
             let activities = self.describe_activities(segment);
             [range(segment.strain), range(segment.stress), slope, activities]
         };

@@ -24,7 +24,9 @@ use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::flow::FlowQuantity;
 use crate::case::{Case, TimeDomainRun};
-use crate::study::simulate::{JointSummary, OutputFields, RunRecords, RunResult, quantity_unit};
+use crate::study::simulate::{
+    JointSummary, OutputFields, RunRecords, RunResult, SimulationWarning, quantity_unit,
+};
 use std::fmt::Write as _;
 
 impl Report for RunResult {
@@ -49,6 +51,9 @@ impl Report for RunResult {
         }
         if let Some(stopped) = &self.stop_report {
             let _ = writeln!(text, "stopped: {stopped}");
+        }
+        if let Some(strain) = self.large_strain {
+            let _ = writeln!(text, "warning: {}", SimulationWarning::LargeStrain { strain });
         }
         let terms = if self.time_step.is_some() { SOLID_LEDGER_TERMS } else { FLOW_LEDGER_TERMS };
         let unit = self.final_ledger.unit.replace("m3", "m³");

@@ -75,7 +75,7 @@ pub struct SegmentResult {
     pub strain: [f64; 2],
     /// Stresses at start and end, Pa.
     pub stress: [f64; 2],
-    /// Slope dσ/dε, Pa; `None` in schemes with dampers, whose diagrams are curved.
+    /// Slope dσ/dε, Pa; `None` where the diagram of a scheme with dampers is curved or the strain constant.
     pub slope: Option<f64>,
     /// Names of the hinges that flow in tension.
     pub tensile_flow: Vec<String>,
@@ -179,11 +179,27 @@ fn summarise_segment(
         time: ends.map(|point| point.time),
         strain: ends.map(|point| point.state.strain),
         stress: ends.map(|point| point.state.stress),
-        slope: segment.slope,
+        slope: segment
+            .slope
+            .or_else(|| find_straight_slope(&response[segment.start..=segment.end])),
         tensile_flow: named(Activity::TensileFlow),
         compressive_flow: named(Activity::CompressiveFlow),
         closed: named(Activity::Closed),
     }
+}
+
+/// Returns the slope of a part of a response that is straight: whose stresses are on the chord of its ends within 10⁻⁶ of
+/// the largest stress.
+fn find_straight_slope(part: &[ResponsePoint]) -> Option<f64> {
+    const TOLERANCE: f64 = 1e-6;
+    let [first, .., last] = part else { return None };
+    let slope = (last.state.stress - first.state.stress) / (last.state.strain - first.state.strain);
+    let chord = |strain: f64| first.state.stress + slope * (strain - first.state.strain);
+    let largest = part.iter().map(|point| point.state.stress.abs()).fold(0.0, f64::max);
+    let is_on_chord = |point: &ResponsePoint| {
+        (point.state.stress - chord(point.state.strain)).abs() <= TOLERANCE * largest
+    };
+    (slope.is_finite() && part.iter().all(is_on_chord)).then_some(slope)
 }
 
 impl DiagramResult {

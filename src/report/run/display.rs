@@ -139,6 +139,12 @@ impl Display for SimulationWarning {
                  large or too small for scheme.precision",
                 format_short(100.0 * part)
             ),
+            Self::LargeStrain { strain } => write!(
+                formatter,
+                "strains of about {} % at the end: the equations of solids hold for small strains; smaller loads or \
+                 initial velocities give them",
+                format_short((100.0 * strain).round())
+            ),
             Self::ObliqueWaves => formatter.write_str(
                 "time.courant_of = \"s\" is exact for plane waves along the axes only: waves oblique to them, and waves \
                  scattered by joints, have several times the error of courant_of = \"fastest\"",

@@ -122,20 +122,11 @@ fn create_plane_panel(piston: &PistonResult) -> CurvePanel {
             .enumerate()
             .map(|(index, wave)| line(wave, own.duration, if index == 0 { known } else { end }))
     });
-    let profile = LabelledCurve {
-        label: "time of the profiles".into(),
-        points: vec![
-            [0.0, piston.profile_time / MILLISECOND],
-            [
-                piston.profile.last().map_or(0.0, |own| own.position),
-                piston.profile_time / MILLISECOND,
-            ],
-        ],
-    };
     CurvePanel {
         x_label: "position x (m)".into(),
         y_label: TIME_LABEL.into(),
-        curves: loading.chain(release).chain([profile]).collect(),
+        curves: loading.chain(release).collect(),
+        level: Some(("time of the profiles".into(), piston.profile_time / MILLISECOND)),
         ..CurvePanel::default()
     }
 }

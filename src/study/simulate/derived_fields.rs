@@ -1,6 +1,6 @@
 //! Fields that follow from the state of media with contacts.
 
-use super::FieldQuantity;
+use super::{FieldQuantity, OutputFields};
 use crate::case::dynamics::StateComponent;
 use dynamics::contact_law::ContactLaw;
 use dynamics::medium::Medium;
@@ -63,4 +63,32 @@ pub(super) fn porosity<const D: usize>(
     };
     let values = problem.cell_media.iter().enumerate().map(porosity).collect();
     Some(FieldQuantity::new("porosity".to_owned(), values))
+}
+
+/// Estimates the largest strain of the fields: the size of a stress component relative to ρc², or of a velocity component to
+/// c, with the density ρ and the largest speed c of the medium of a cell, which is the strain of a plane wave of that stress
+/// or velocity. Returns it if it is larger than 1.
+pub(super) fn find_large_strain(media: &[Medium], fields: &OutputFields) -> Option<f64> {
+    const MAX_SMALL_STRAIN: f64 = 1.0;
+    let scales: Vec<[f64; 2]> = media
+        .iter()
+        .map(|medium| {
+            let speed = medium.max_speed();
+            [speed, medium.inertia(SolidField::Velocity(0)) * speed * speed]
+        })
+        .collect();
+    let mut largest: f64 = 0.0;
+    for quantity in &fields.quantities {
+        let scale_index = match quantity.unit {
+            "m/s" => 0,
+            "Pa" => 1,
+            _ => continue,
+        };
+        for (cell, value) in quantity.values.iter().enumerate() {
+            let medium = fields.region_indices.get(cell).map_or(0, |index| usize::from(*index));
+            let strain = scales.get(medium).map_or(0.0, |scale| value.abs() / scale[scale_index]);
+            largest = largest.max(strain);
+        }
+    }
+    (largest > MAX_SMALL_STRAIN && largest.is_finite()).then_some(largest)
 }

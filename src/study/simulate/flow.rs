@@ -217,6 +217,7 @@ impl FlowJob<'_> {
             deformation_gradient: found.fields.deformation_gradient,
             fields: found.fields,
             final_ledger: FinalLedger { unit: energy_unit(self.case), terms },
+            large_strain: None,
             joint_summary: None,
             receivers: self.flow_run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,

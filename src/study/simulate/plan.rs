@@ -64,6 +64,11 @@ pub enum SimulationWarning {
         /// Residual relative to the largest term of the ledger.
         relative_residual: f64,
     },
+    /// Strains are so large that equations of small strains do not hold.
+    LargeStrain {
+        /// Estimate of the largest strain.
+        strain: f64,
+    },
     /// Shear waves have steps of their own, in a grid in which waves can be oblique to the axes.
     ObliqueWaves,
     /// A load or source acts on one cell at a Courant number of 1, which leaves sawtooth waves undamped.

@@ -57,6 +57,10 @@ pub struct RunResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "joints")]
     pub joint_summary: Option<JointSummary>,
+    /// Estimate of the largest strain at the end, where it is larger than 1, so that equations of small strains do not hold;
+    /// solids only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub large_strain: Option<f64>,
     /// Receivers of the simulation with their positions.
     pub receivers: Vec<RunReceiver>,
     /// Reason why the run was stopped before its duration; `None` if complete.
@@ -176,6 +180,12 @@ impl FinalLedger {
 }
 
 impl RunResult {
+    /// Returns the warnings that follow from the result.
+    pub fn warnings(&self) -> Vec<SimulationWarning> {
+        let strain = self.large_strain.map(|strain| SimulationWarning::LargeStrain { strain });
+        self.residual_warning().into_iter().chain(strain).collect()
+    }
+
     /// Returns a warning if the residual of the ledger exceeds rounding: 10⁻⁶ of its largest term in double precision,
     /// 10⁻² in single precision.
     pub fn residual_warning(&self) -> Option<SimulationWarning> {
@@ -273,6 +283,7 @@ mod tests {
             deformation_gradient: None,
             fields: OutputFields::default(),
             final_ledger: FinalLedger { unit: "J", terms: terms.to_vec() },
+            large_strain: None,
             joint_summary: None,
             receivers: Vec::new(),
             stop_report: None,

@@ -1,7 +1,7 @@
 //! Simulation of a solid.
 
 use super::cost::OutputVolume;
-use super::derived_fields::{add_volumetric_strain, porosity};
+use super::derived_fields::{add_volumetric_strain, find_large_strain, porosity};
 use super::observer::{
     OutputConverter, SimulationOutput, create_output_times, create_receiver_table,
     run_with_recorder,
@@ -445,6 +445,7 @@ impl SolidJob<'_> {
 
     fn create_result(&self, steps: TimeSteps, found: SimulationOutput<SolidAccount>) -> RunResult {
         let solid_run = self.solid_run;
+        let large_strain = find_large_strain(&self.media, &found.fields);
         let mut terms = self.ledger_terms(&found.final_account);
         terms.insert(2, ("at_start", found.final_account.initial_energy));
         let receiver = |own: &crate::case::dynamics::ReceiverPoint<_>| RunReceiver {
@@ -473,6 +474,7 @@ impl SolidJob<'_> {
             joint_summary: JointSummary::new(&found.fields.joint_faces),
             fields: found.fields,
             final_ledger: FinalLedger { unit: energy_unit(self.case), terms },
+            large_strain,
             receivers: solid_run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,
             records: found.records,
