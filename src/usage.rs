@@ -3,6 +3,7 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, CommandFactory, Error};
 use std::error::Error as _;
+use wellposed::case::find_similar_name;
 use wellposed::cli::UsageError;
 
 /// Describes an error of the argument parser; `arguments` are those of the program, without its name.
@@ -65,12 +66,12 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
         ErrorKind::InvalidSubcommand => {
             let command = C::command();
             let parent = verb.as_deref().and_then(|verb| command.find_subcommand(verb));
-            let allowed = format!(
-                "{}allowed: {}",
-                meant(ContextKind::SuggestedSubcommand),
-                list_verbs(parent.unwrap_or(&command))
-            );
-            usage_error(text(ContextKind::InvalidSubcommand), "unknown command".to_owned(), allowed)
+            let found = text(ContextKind::InvalidSubcommand);
+            let names = parent.unwrap_or(&command).get_subcommands().map(Command::get_name);
+            let meant = find_similar_name(&found, names)
+                .map_or(String::new(), |similar| format!("did you mean '{similar}'? "));
+            let allowed = format!("{meant}allowed: {}", list_verbs(parent.unwrap_or(&command)));
+            usage_error(found, "unknown command".to_owned(), allowed)
         }
         ErrorKind::MissingRequiredArgument => {
             let command = C::command();
@@ -80,6 +81,10 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
             let verbs: Vec<&str> = verb.iter().chain(&inner).map(String::as_str).collect();
             let usage = format!("expected wellposed {} {argument}", verbs.join(" "));
             usage_error(argument, "missing".to_owned(), usage)
+        }
+        ErrorKind::TooManyValues => {
+            let found = format!("found '{}'", text(ContextKind::InvalidValue));
+            usage_error(argument, found, "give it without a value".to_owned())
         }
         ErrorKind::ArgumentConflict => {
             let other = text(ContextKind::PriorArg);

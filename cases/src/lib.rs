@@ -66,3 +66,4 @@ pub use periodic_blocks::{PeriodicBlocks, SquareBlocks};
 pub use reference::generate_reference;
 pub use rheology::{LoadHistory, RheologyCase, TREE_KIND};
 pub use section_schemas::all_schemas;
+pub use value::find_similar_name;

@@ -199,7 +199,7 @@ pub(super) fn format_short_list(value: &DeValue) -> Option<String> {
 }
 
 /// Finds the candidate most similar to a misspelt name, if similar enough.
-pub(super) fn find_similar_name<'a>(
+pub fn find_similar_name<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
@@ -221,7 +221,8 @@ pub(super) fn find_similar_name<'a>(
 /// Returns the name under which a quantity with another usual name is found here.
 fn to_usual_name(name: &str) -> &str {
     match name {
-        "cfl" | "CFL" => "courant",
+        "cfl" | "CFL" | "dt" => "courant",
+        "position" => "at",
         other => other,
     }
 }
