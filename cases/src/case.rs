@@ -24,6 +24,7 @@ use super::section::SectionReader;
 use super::section_schemas::{CASE_SCHEMAS, has_simulation};
 use super::value::CaseValue;
 use models::InputError;
+use models::common::elementary::Elementary;
 use std::fmt::Write;
 use std::io::ErrorKind;
 use std::io::Read;
@@ -428,7 +429,7 @@ impl Case {
         const MAX_EXPONENT: f64 = 100.0;
         let mut section = String::new();
         let mut extreme: Option<(String, f64)> = None;
-        let exponent = |value: f64| value.abs().log10().abs();
+        let exponent = |value: f64| value.abs().cr_log10().abs();
         for line in self.to_toml().lines() {
             if let Some(name) = line.strip_prefix('[').and_then(|own| own.strip_suffix(']')) {
                 name.clone_into(&mut section);

@@ -29,9 +29,10 @@ pub(crate) fn is_narrow() -> bool {
     width() < 0.75 * WIDTH
 }
 
-/// Returns the usual height of a page with a disc, pixels.
-pub(crate) fn disc_page_height() -> f64 {
-    if is_narrow() { height() } else { height() + 60.0 }
+/// Returns the usual height of a page with a disc, pixels; of a narrow page, whose width limits the disc, at most
+/// `max_height`.
+pub(crate) fn disc_page_height(max_height: f64) -> f64 {
+    if is_narrow() { height().min(max_height) } else { height() + 60.0 }
 }
 
 /// Returns the length that corresponds to `length` on a page of the usual height, pixels.

@@ -259,18 +259,13 @@ impl SphereFigure {
             true => 0.5 * (page::width() - 2.0 * MARGIN - RIM_LABEL_WIDTH - COLOUR_BAR_SPACE),
             false => 440.0,
         };
-        let usual_height = match is_narrow {
-            true => page::height().min(top + 2.0 * (max_radius + rim_height) + below),
-            false => page::disc_page_height(),
-        };
+        let usual_height = page::disc_page_height(top + 2.0 * (max_radius + rim_height) + below);
         let height = usual_height.max(top + page::scale_height(780.0) + below).ceil();
         let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let bottom = height - below;
         let radius = (0.5 * (bottom - top) - rim_height).min(max_radius);
-        let centre_x = match is_narrow {
-            true => MARGIN + RIM_LABEL_WIDTH + radius,
-            false => 0.5 * page::width() - 90.0,
-        };
+        let beside = MARGIN + RIM_LABEL_WIDTH;
+        let centre_x = if is_narrow { beside + radius } else { 0.5 * page::width() - 90.0 };
         let disc = HemisphereProjection { centre: [centre_x, 0.5 * (top + bottom)], radius };
 
         let max_count = ((2.0 * radius) / 90.0) as usize;

@@ -51,10 +51,7 @@ impl DiscPage {
             }
             false => 440.0,
         };
-        let usual_height = match is_narrow {
-            true => page::height().min(top + 2.0 * (max_radius + rim_height) + below),
-            false => page::disc_page_height(),
-        };
+        let usual_height = page::disc_page_height(top + 2.0 * (max_radius + rim_height) + below);
         let height = usual_height.max(top + min_height + below).ceil();
         let area =
             Rectangle { left: MARGIN, top, right: page::width() - MARGIN, bottom: height - below };
