@@ -59,8 +59,10 @@ fn report_and_archive_hold_the_matrices() {
     let b: Vec<f64> =
         (1..4).flat_map(|axis| sum(at(0, axis, DENSITY), at(axis, 0, squared_speed))).collect();
     let tables = found.create_tables(&case).expect("tables");
-    let (_, bytes) = tables.iter().find(|(name, _)| *name == "linearised.npz").expect("an archive");
-    let arrays = npz::read_arrays(bytes).expect("arrays");
+    let archive = tables.into_iter().find(|(name, _)| *name == "linearised.npz");
+    let (_, archive) = archive.expect("an archive");
+    let bytes = archive.encode().expect("an archive");
+    let arrays = npz::read_arrays(&bytes).expect("arrays");
     let array = |name: &str| {
         let own = arrays.iter().find(|own| own.name == name).expect("an array");
         match &own.values {

@@ -1,11 +1,12 @@
 //! Report on the Bloch waves of a blocky medium.
 
 use super::format::{case_title, format_short};
-use super::{Report, ReportPicture};
+use super::{ArrayData, DataArray, DataFile, Report, ReportPicture, column_unit};
 use crate::Error;
 use crate::case::Case;
 use crate::study::bloch::{BandStructureResult, JointLawSummary};
 use figures::{BandFamily, BandFigure, BandStyle};
+use files::csv::CsvCell;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
@@ -31,8 +32,8 @@ impl Report for BandStructureResult {
         Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        Ok(vec![("dispersion.csv", format_csv(self)?), ("dispersion.npz", encode_npz(self)?)])
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+        Ok(vec![("dispersion.csv", create_table(self)), ("dispersion.npz", create_arrays(self))])
     }
 }
 
@@ -235,32 +236,37 @@ fn create_table_rows(
 const NUMERIC_COLUMNS: [&str; 6] =
     ["distance", "number_1", "number_2", "frequency", "decay_rate", "longitudinal_share"];
 
-fn format_csv(found: &BandStructureResult) -> Result<Vec<u8>, Error> {
-    let header: Vec<&str> = ["family", "branch"].into_iter().chain(NUMERIC_COLUMNS).collect();
+fn create_table(found: &BandStructureResult) -> DataFile<'_> {
+    let header = ["family", "branch"].into_iter().chain(NUMERIC_COLUMNS);
     let rows = create_table_rows(found).into_iter().map(|(family, branch, place, values)| {
-        let mut row: Vec<files::csv::CsvCell> = vec![family.into(), (branch as f64).into()];
-        row.extend(place.into_iter().chain(values).map(files::csv::CsvCell::from));
+        let mut row: Vec<CsvCell> = vec![family.into(), (branch as f64).into()];
+        row.extend(place.into_iter().chain(values).map(CsvCell::from));
         row
     });
-    Ok(files::csv::format_table(&header, rows)?)
+    DataFile::table("dispersion.csv", header, rows)
 }
 
-fn encode_npz(found: &BandStructureResult) -> Result<Vec<u8>, Error> {
+fn create_arrays(found: &BandStructureResult) -> DataFile<'_> {
     let rows = create_table_rows(found);
-    let shape = [rows.len()];
-    let mut npz = files::npz::NpzWriter::new();
-    npz.add_text("family", &shape, &rows.iter().map(|row| row.0).collect::<Vec<_>>())?;
-    let branches: Vec<i32> = rows.iter().map(|row| row.1 as i32).collect();
-    npz.add_i32("branch", &shape, &branches)?;
-    for (column, name) in NUMERIC_COLUMNS.into_iter().enumerate() {
+    let along = [("row", rows.len())];
+    let families: Vec<&str> = rows.iter().map(|row| row.0).collect();
+    let branches = rows.iter().map(|row| row.1 as i32).collect();
+    let mut arrays = vec![
+        DataArray::texts("family", "row", &families),
+        DataArray::new("branch", &along, "", ArrayData::I32(branches)),
+    ];
+    let units = NUMERIC_COLUMNS.map(|name| column_unit("dispersion.csv", name).unwrap_or_default());
+    for (column, (name, unit)) in NUMERIC_COLUMNS.into_iter().zip(units).enumerate() {
         let value = |row: &(_, _, [f64; 3], [f64; 3])| match column {
             0..3 => row.2[column],
             _ => row.3[column - 3],
         };
-        npz.add_f64(name, &shape, &rows.iter().map(value).collect::<Vec<_>>())?;
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        arrays.push(DataArray::numbers(name, &along, unit, values));
     }
-    npz.add_text("units", &[6], &["1/m", "1/m", "1/m", "rad/s", "1/s", ""])?;
-    Ok(npz.finish()?)
+    let texts = units.map(|unit| if unit == "1" { "" } else { unit });
+    arrays.push(DataArray::texts("units", "column", &texts));
+    DataFile::Arrays(arrays)
 }
 
 /// Returns the curves of all branches, cut to those steps between two points of the path whose mean longitudinal share

@@ -2,7 +2,7 @@
 
 use super::format::format_short;
 use super::run::axis_label;
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::compare::{
@@ -10,7 +10,7 @@ use crate::study::compare::{
     SnapshotDifference,
 };
 use figures::{FieldAxis, FieldFigure, FieldPairFigure, SeismogramFigure, SeismogramPanel, Trace};
-use files::csv::{CsvCell, format_table};
+use files::csv::CsvCell;
 use std::fmt::Write as _;
 
 /// Function that returns the means of one quantity.
@@ -88,7 +88,7 @@ impl Report for ComparisonResult {
         Ok(pictures)
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         let row = |own: &SnapshotDifference| -> Vec<CsvCell> {
             let [[front_0_first, front_0_second], [front_45_first, front_45_second]] = own.fronts;
             let [first, second] = own.dissipated.map(Some);
@@ -106,7 +106,10 @@ impl Report for ComparisonResult {
             ];
             values.map(|value| CsvCell::Number(value.unwrap_or(f64::NAN))).to_vec()
         };
-        Ok(vec![("compare.csv", format_table(&COLUMNS, self.snapshots.iter().map(row))?)])
+        Ok(vec![(
+            "compare.csv",
+            DataFile::table("compare.csv", COLUMNS, self.snapshots.iter().map(row)),
+        )])
     }
 }
 

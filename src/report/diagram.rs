@@ -1,12 +1,12 @@
 //! Report on the uniaxial diagram of a rheological scheme.
 
 use super::format::{case_title, format_short};
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::diagram::{DiagramResult, SegmentResult};
 use figures::{DiagramCurve, DiagramFigure};
-use files::csv::{CsvCell, format_table};
+use files::csv::CsvCell;
 use models::rheology::element::Element;
 use models::rheology::load_path::ResponsePoint;
 use std::fmt::Write as _;
@@ -66,8 +66,8 @@ impl Report for DiagramResult {
         Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        Ok(vec![("diagram.csv", self.format_csv()?)])
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+        Ok(vec![("diagram.csv", self.create_table())])
     }
 }
 
@@ -130,7 +130,7 @@ impl DiagramResult {
         element.stored_energy(state) + state.dissipated_energy
     }
 
-    fn format_csv(&self) -> Result<Vec<u8>, Error> {
+    fn create_table(&self) -> DataFile<'_> {
         let scheme = &self.rheological_scheme;
         let fixed =
             ["time", "strain", "stress", "work", "stored_energy", "dissipated_energy", "step_loss"];
@@ -138,7 +138,7 @@ impl DiagramResult {
         for own in scheme.elements() {
             header.extend(["strain", "stress", "energy"].map(|end| format!("{}_{end}", own.name)));
         }
-        let rows = self.response.iter().map(|point| {
+        let rows = self.response.iter().map(move |point| {
             let state = &point.state;
             let mut row: Vec<CsvCell> = vec![
                 point.time.into(),
@@ -155,8 +155,7 @@ impl DiagramResult {
             }
             row
         });
-        let header: Vec<&str> = header.iter().map(String::as_str).collect();
-        Ok(format_table(&header, rows)?)
+        DataFile::table("diagram.csv", header, rows)
     }
 
     fn create_figure(&self, case: &Case) -> DiagramFigure {

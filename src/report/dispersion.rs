@@ -1,7 +1,7 @@
 //! Report on the dispersion relation of a solid.
 
 use super::format::{case_title, format_short};
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::dispersion::{BranchFamily, DispersionResult};
@@ -34,8 +34,8 @@ impl Report for DispersionResult {
         Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        Ok(vec![("dispersion.csv", format_csv(&self.families)?)])
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+        Ok(vec![("dispersion.csv", create_table(&self.families))])
     }
 }
 
@@ -96,7 +96,7 @@ fn format_numbers(values: &[f64]) -> String {
     values.iter().map(|&x| format_short(x)).collect::<Vec<_>>().join(", ")
 }
 
-fn format_csv(families: &[BranchFamily]) -> Result<Vec<u8>, Error> {
+fn create_table(families: &[BranchFamily]) -> DataFile<'_> {
     let header = ["branch", "number", "frequency", "phase_speed", "group_speed", "growth_rate"];
     let rows = families.iter().flat_map(|family| {
         family.labels.iter().zip(&family.curves).flat_map(|(label, curve)| {
@@ -112,7 +112,7 @@ fn format_csv(families: &[BranchFamily]) -> Result<Vec<u8>, Error> {
             })
         })
     });
-    Ok(files::csv::format_table(&header, rows)?)
+    DataFile::table("dispersion.csv", header, rows)
 }
 
 fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {

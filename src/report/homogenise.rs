@@ -1,7 +1,7 @@
 //! Report on the equivalent continuum of a blocky medium.
 
 use super::format::{case_title, format_short};
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::homogenise::HomogeniseResult;
@@ -73,7 +73,7 @@ impl Report for HomogeniseResult {
         Ok(Vec::new())
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         Ok(Vec::new())
     }
 }

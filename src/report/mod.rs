@@ -3,6 +3,7 @@
 pub mod bloch;
 pub mod check;
 pub mod compare;
+mod data_file;
 pub mod diagram;
 pub mod dispersion;
 pub mod format;
@@ -19,6 +20,7 @@ use crate::case::Case;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+pub use data_file::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 pub use picture::{PictureOptions, ReportPicture, draw_pictures};
 
 /// Version of the JSON reports; raised when a key changes its name or meaning.
@@ -51,11 +53,11 @@ pub trait Report: Serialize {
     /// The pictures cannot be created, for example since the case has no simulation.
     fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error>;
 
-    /// Renders tables and archives, by file name.
+    /// Creates the data files, by file name.
     ///
     /// # Errors
     /// A table or archive cannot be created.
-    fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
+    fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error>;
 }
 
 /// Creates the JSON report: schema version, value and units.
@@ -114,7 +116,11 @@ impl RenderedReport {
             json: format!("{:#}\n", to_json(report)?),
             text: report.to_text(case),
             pictures: report.create_pictures(case)?,
-            tables: report.create_tables(case)?,
+            tables: report
+                .create_tables(case)?
+                .into_iter()
+                .map(|(name, file)| Ok((name, file.encode()?)))
+                .collect::<Result<_, Error>>()?,
             ends_with_picture_path: R::ENDS_WITH_PICTURE_PATH,
         })
     }

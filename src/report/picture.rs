@@ -4,7 +4,7 @@ use crate::Error;
 use figures::{AnimationFormat, FigureError, FigureFormat, FigureOptions, FigureOutput};
 
 /// Function that draws a picture.
-type DrawFunction = Box<dyn Fn(FigureOutput) -> Result<Vec<u8>, FigureError>>;
+type DrawFunction = Box<dyn Fn(FigureOutput) -> Result<Vec<u8>, FigureError> + Send + Sync>;
 
 /// Picture of a report.
 pub struct ReportPicture {
@@ -17,7 +17,7 @@ impl ReportPicture {
     /// Creates a picture with the file name `stem` from the drawing method of a figure.
     pub fn new(
         stem: &'static str,
-        draw: impl Fn(FigureOutput) -> Result<Vec<u8>, FigureError> + 'static,
+        draw: impl Fn(FigureOutput) -> Result<Vec<u8>, FigureError> + Send + Sync + 'static,
     ) -> Self {
         Self { file_stem: stem, draw_function: Box::new(draw) }
     }

@@ -13,20 +13,21 @@ mod snapshot;
 mod solid;
 
 pub use animation::{AnimationFrame, FrameConverter, FrameScale};
-pub use archive::read_fields;
+pub use archive::{create_field_arrays, create_record_arrays, read_fields};
 pub use display::DisplayTime;
 pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
 pub use snapshot::{create_image, read_snapshot};
 
 use super::format::{case_title, format_count, format_short};
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::flow::FlowQuantity;
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::{
     JointSummary, OutputFields, RunRecords, RunResult, SimulationWarning, quantity_unit,
 };
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 impl Report for RunResult {
@@ -82,18 +83,22 @@ impl Report for RunResult {
         create_pictures(case, &self.fields, &self.records)
     }
 
-    /// Renders the archives, and the table of joints; the other CSV tables are written row by row during the run.
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        let mut all = vec![("fields.npz", archive::encode_fields(&self.fields)?)];
+    /// Creates the archives, and the table of joints; the other CSV tables are written row by row during the run.
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+        let mut all = vec![(
+            "fields.npz",
+            DataFile::Arrays(create_field_arrays(Cow::Borrowed(&self.fields))),
+        )];
         if let Some(receivers) = &self.records.receivers {
-            all.push(("receivers.npz", archive::encode_table(receivers)?));
+            let arrays = create_record_arrays(Cow::Borrowed(receivers));
+            all.push(("receivers.npz", DataFile::Arrays(arrays)));
         }
         let joints = &self.fields.joint_faces;
         if !joints.is_empty() {
-            all.push(("joints.csv", joints::format_csv(joints)?));
-            all.push(("joints.npz", joints::encode_npz(joints)?));
+            all.push(("joints.csv", joints::create_table(joints)));
+            all.push(("joints.npz", joints::create_arrays(joints)));
             let lines = create_joint_lines(joints, self.fields.time)?;
-            all.push(("joints.vtp", lines.to_bytes()));
+            all.push(("joints.vtp", DataFile::Encoded(lines.to_bytes())));
         }
         Ok(all)
     }

@@ -1,7 +1,7 @@
 //! Report on the characteristic speeds of a solid.
 
 use super::format::{case_title, format_normal, format_short};
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, WaveNumbers};
 use crate::setup::solid::wave_normal;
@@ -50,10 +50,10 @@ impl Report for SpeedsResult {
         Ok(pictures)
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        let mut tables = vec![("speeds.csv", format_csv(self)?)];
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+        let mut tables = vec![("speeds.csv", create_table(self))];
         if let Some(hemisphere) = &self.hemisphere {
-            tables.push(("sphere.csv", format_sphere_csv(hemisphere)?));
+            tables.push(("sphere.csv", create_sphere_table(hemisphere)));
         }
         Ok(tables)
     }
@@ -151,7 +151,7 @@ fn compute_speed_range(
     range[0].is_finite().then_some(range)
 }
 
-fn format_csv(found: &SpeedsResult) -> Result<Vec<u8>, Error> {
+fn create_table(found: &SpeedsResult) -> DataFile<'_> {
     let header = ["direction_deg", "response", "wave", "squared_speed", "squared_speed_imaginary"];
     let is_yielding = found.solid.plastic_state.is_some();
     let rows =
@@ -170,10 +170,10 @@ fn format_csv(found: &SpeedsResult) -> Result<Vec<u8>, Error> {
             }
             rows
         });
-    Ok(files::csv::format_table(&header, rows)?)
+    DataFile::table("speeds.csv", header, rows)
 }
 
-fn format_sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
+fn create_sphere_table(hemisphere: &Hemisphere) -> DataFile<'_> {
     let Hemisphere { polar_angles_deg, azimuth_angles_deg, slowest_speeds } = hemisphere;
     let directions =
         polar_angles_deg.iter().flat_map(|&p| azimuth_angles_deg.iter().map(move |&a| (p, a)));
@@ -182,7 +182,7 @@ fn format_sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
             vec![polar.into(), azimuth.into(), (*value).into()]
         },
     );
-    Ok(files::csv::format_table(&["polar_deg", "azimuth_deg", "slowest_speed"], rows)?)
+    DataFile::table("sphere.csv", ["polar_deg", "azimuth_deg", "slowest_speed"], rows)
 }
 
 /// Creates the speed curves of one response; coincident curves are merged into one with a multiplicity. A point of a

@@ -32,6 +32,7 @@ use crate::Error;
 use crate::case::{Case, TimeDomainRun};
 use memory_recorder::MemoryRecorder;
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// Options of a simulation that are not part of its case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -66,13 +67,64 @@ pub fn simulate(
     settings: SimulationSettings,
     progress: ProgressCallback,
 ) -> Result<RunResult, Error> {
+    run_in_memory(case, settings, progress, None)
+}
+
+/// Callback that takes each snapshot of a simulation; if it returns `Break`, the simulation ends with
+/// [`Error::Cancelled`].
+pub type SnapshotCallback<'a> = &'a mut (dyn FnMut(OutputFields) -> ControlFlow<()> + Send);
+
+/// Simulates like [`simulate`], and passes each snapshot of the case to `on_snapshot` instead of keeping it.
+///
+/// # Errors
+/// As [`simulate`]; [`Error::Cancelled`] also if `on_snapshot` returned `Break`.
+///
+/// # Examples
+/// ```
+/// use std::ops::ControlFlow;
+/// use wellposed::study::simulate::{SimulationSettings, simulate_with_snapshots};
+/// use wellposed::study::ignore_progress;
+///
+/// let settings = [
+///     "grid.cells=[36, 36]",
+///     "initial[0].to=8",
+///     "time.duration=1e-4",
+///     "output.snapshot_interval=5e-5",
+/// ];
+/// let case = wellposed::load("cases/flow/decay.toml", &settings)?;
+/// let mut times = Vec::new();
+/// let mut note_time = |fields: wellposed::study::simulate::OutputFields| {
+///     times.push(fields.time);
+///     ControlFlow::Continue(())
+/// };
+/// let options = SimulationSettings::default();
+/// let found = simulate_with_snapshots(&case, options, &ignore_progress, &mut note_time)?;
+/// assert_eq!(times.len(), 3);
+/// assert!(found.records.snapshots.is_empty());
+/// # Ok::<(), wellposed::Error>(())
+/// ```
+pub fn simulate_with_snapshots(
+    case: &Case,
+    settings: SimulationSettings,
+    progress: ProgressCallback,
+    on_snapshot: SnapshotCallback,
+) -> Result<RunResult, Error> {
+    run_in_memory(case, settings, progress, Some(on_snapshot))
+}
+
+fn run_in_memory(
+    case: &Case,
+    settings: SimulationSettings,
+    progress: ProgressCallback,
+    on_snapshot: Option<SnapshotCallback>,
+) -> Result<RunResult, Error> {
     let job = create_job(case)?;
-    job.plan(true)?;
+    job.plan(on_snapshot.is_none())?;
     match job.find_ill_posedness()? {
         Some(found) if !settings.accept_ill_posed => return Err(Error::IllPosed(found)),
         _ => {}
     }
-    job.execute(&mut MemoryRecorder::new(progress))
+    job.execute(&mut MemoryRecorder::new(progress, on_snapshot))
 }
 
 /// Time-domain simulation of a solid or a flow.

@@ -7,7 +7,7 @@ mod shocks;
 mod solid;
 
 use super::format::case_title;
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::check::{CheckOutcome, CheckResult};
@@ -71,7 +71,7 @@ impl Report for CheckResult {
         })
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         Ok(Vec::new())
     }
 }

@@ -7,7 +7,7 @@ use super::format::{
     CLOSED_FORM_ROUTE, VALIDITY_NOTE, case_title, format_count, format_short, format_superscript,
     format_unit_suffix,
 };
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, ModelKind};
 use crate::study::MapResult;
@@ -56,8 +56,8 @@ impl Report for MapResult {
         Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        Ok(vec![("map.csv", tables::format_csv(self)?), ("map.npz", tables::encode_npz(self)?)])
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+        Ok(vec![("map.csv", tables::create_table(self)), ("map.npz", tables::create_arrays(self))])
     }
 }
 

@@ -1,10 +1,11 @@
-//! CSV table and NPZ archive of a map.
+//! Table and arrays of a map.
 
-use crate::Error;
+use crate::report::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 use crate::study::MapResult;
 use crate::study::map::{MapPoint, PointSpeeds, PointStatus};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
+use files::csv::CsvCell;
 
 /// Returns the numeric columns of the CSV table, which are fields of the NPZ archive too: name and value at each point.
 fn collect_numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
@@ -39,16 +40,16 @@ fn collect_numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
     columns
 }
 
-/// Renders the CSV table, one row per point.
-pub(super) fn format_csv(found: &MapResult) -> Result<Vec<u8>, Error> {
+/// Creates the table, one row per point.
+pub(super) fn create_table(found: &MapResult) -> DataFile<'_> {
     let is_solid = found.solid.is_some();
     let columns = collect_numeric_columns(found);
     let (x, y) = (&found.x, &found.y);
-    let mut header = vec![x.parameter.as_str(), y.parameter.as_str(), "verdict", "route"];
+    let mut header = vec!["verdict", "route"];
     header.extend(is_solid.then_some("hyperbolicity"));
     header.extend(columns.iter().map(|(name, _)| *name));
-    let rows = found.points.iter().enumerate().map(|(index, point)| {
-        let mut row: Vec<files::csv::CsvCell> = vec![
+    let rows = found.points.iter().enumerate().map(move |(index, point)| {
+        let mut row: Vec<CsvCell> = vec![
             x.values[index % x.point_count].into(),
             y.values[index / x.point_count].into(),
             point.status.name().into(),
@@ -57,41 +58,59 @@ pub(super) fn format_csv(found: &MapResult) -> Result<Vec<u8>, Error> {
         if is_solid {
             row.push(point.speeds.map_or("", |speeds| speeds.hyperbolicity.name()).into());
         }
-        row.extend(columns.iter().map(|(_, values)| files::csv::CsvCell::from(values[index])));
+        row.extend(columns.iter().map(|(_, values)| CsvCell::from(values[index])));
         row
     });
-    Ok(files::csv::format_table(&header, rows)?)
+    let parameters = [x, y].map(|axis| (axis.parameter.clone(), axis.unit.into()));
+    let others = header.into_iter().map(|name| (name.to_owned(), unit(name).into()));
+    DataFile::Table(DataTable {
+        columns: parameters.into_iter().chain(others).collect(),
+        rows: Box::new(rows),
+    })
 }
 
-/// Renders the NPZ archive: axes under the names of their parameters, fields of shape (y, x).
-pub(super) fn encode_npz(found: &MapResult) -> Result<Vec<u8>, Error> {
+/// Creates the arrays: axes under the names of their parameters, fields of shape (y, x).
+pub(super) fn create_arrays(found: &MapResult) -> DataFile<'_> {
     let (x, y) = (&found.x, &found.y);
-    let shape = [y.point_count, x.point_count];
-    let codes = |f: fn(&MapPoint) -> i8| found.points.iter().map(f).collect::<Vec<_>>();
-    let mut npz = files::npz::NpzWriter::new();
-    npz.add_f64(&x.parameter, &[x.point_count], &x.values)?;
-    npz.add_f64(&y.parameter, &[y.point_count], &y.values)?;
-    npz.add_text("axes", &[2], &[&y.parameter, &x.parameter])?;
-    npz.add_text("units", &[2], &[y.unit, x.unit])?;
+    let shape = [y, x].map(|own| (own.parameter.as_str(), own.point_count));
+    let codes = |name: &'static str, code: fn(&MapPoint) -> i8| {
+        DataArray::new(name, &shape, "", ArrayData::I8(found.points.iter().map(code).collect()))
+    };
     let names = PointStatus::ALL.map(PointStatus::name);
-    npz.add_text("verdict_names", &[names.len()], &names)?;
-    npz.add_i8("verdict", &shape, &codes(|p| p.status as i8))?;
     let [closed_form, model_blind] = Route::ALL.map(Route::name);
-    npz.add_text("route_names", &[3], &["none", closed_form, model_blind])?;
     let route = |p: &MapPoint| match p.route {
         None => 0,
         Some(Route::ClosedForm) => 1,
         Some(Route::ModelBlind) => 2,
     };
-    npz.add_i8("route", &shape, &codes(route))?;
+    let mut arrays: Vec<DataArray> = [x, y]
+        .map(|own| {
+            let along = [(own.parameter.as_str(), own.point_count)];
+            DataArray::numbers(own.parameter.as_str(), &along, own.unit, own.values.as_slice())
+        })
+        .into();
+    arrays.extend([
+        DataArray::texts("axes", "axis", &[&y.parameter, &x.parameter]),
+        DataArray::texts("units", "axis", &[y.unit, x.unit]),
+        DataArray::texts("verdict_names", "verdict_name", &names),
+        codes("verdict", |p| p.status as i8),
+        DataArray::texts("route_names", "route_name", &["none", closed_form, model_blind]),
+        codes("route", route),
+    ]);
     if found.solid.is_some() {
         let names = ["none"].into_iter().chain(Hyperbolicity::ALL.map(Hyperbolicity::name));
-        npz.add_text("hyperbolicity_names", &[5], &names.collect::<Vec<_>>())?;
+        let names: Vec<&str> = names.collect();
+        arrays.push(DataArray::texts("hyperbolicity_names", "hyperbolicity_name", &names));
         let number = |p: &MapPoint| p.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as i8);
-        npz.add_i8("hyperbolicity", &shape, &codes(number))?;
+        arrays.push(codes("hyperbolicity", number));
     }
-    for (name, values) in collect_numeric_columns(found) {
-        npz.add_f64(name, &shape, &values)?;
-    }
-    Ok(npz.finish()?)
+    let columns = collect_numeric_columns(found).into_iter();
+    arrays
+        .extend(columns.map(|(name, values)| DataArray::numbers(name, &shape, unit(name), values)));
+    DataFile::Arrays(arrays)
+}
+
+/// Returns the unit of a field of a map.
+fn unit(name: &str) -> &'static str {
+    column_unit("map.csv", name).unwrap_or_default()
 }

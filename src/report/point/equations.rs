@@ -5,9 +5,9 @@ use crate::case::Case;
 use crate::report::format::{
     VALIDITY_NOTE, case_title, coefficient_unit, format_order, format_short,
 };
+use crate::report::{DataArray, DataFile};
 use crate::study::point::equations::{EquationsAnalysis, LinearisedEntry, format_components};
 use crate::study::point::flow_state::WaveLimit;
-use files::npz::NpzWriter;
 use std::fmt::Write as _;
 
 pub(super) fn format_text(case: &Case, found: &EquationsAnalysis) -> String {
@@ -153,18 +153,16 @@ fn write_verdict(found: &EquationsAnalysis, text: &mut String) {
     let _ = writeln!(text, "Route: {}\n{VALIDITY_NOTE}", found.evidence.route);
 }
 
-/// Creates the archive of the linearised equations: matrices A, B and C by rows, and the list of all coefficients.
+/// Creates the arrays of the linearised equations: matrices A, B and C by rows, and the list of all coefficients.
 pub(super) fn create_tables(
     found: &EquationsAnalysis,
-) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
     let linearised = &found.linearised;
     let (rows, columns) = (linearised.equations.len(), linearised.unknowns.len());
-    let mut npz = NpzWriter::new();
+    let matrix_axes = [("equation", rows), ("unknown", columns)];
     let flat = |matrix: &[Vec<f64>]| matrix.iter().flatten().copied().collect::<Vec<f64>>();
-    npz.add_f64("A", &[rows, columns], &flat(&linearised.a))?;
-    npz.add_f64("C", &[rows, columns], &flat(&linearised.c))?;
     let b: Vec<f64> = linearised.b.iter().flat_map(|own| flat(own)).collect();
-    npz.add_f64("B", &[found.dimensions, rows, columns], &b)?;
+    let b_axes = [("direction", found.dimensions), matrix_axes[0], matrix_axes[1]];
     let index = |names: &[&str], name: &str| {
         names.iter().position(|own| *own == name).map_or(f64::NAN, |index| index as f64)
     };
@@ -186,6 +184,12 @@ pub(super) fn create_tables(
             ]
         })
         .collect();
-    npz.add_f64("terms", &[linearised.entries.len(), 8], &terms)?;
-    Ok(vec![("linearised.npz", npz.finish()?)])
+    let term_axes = [("term", linearised.entries.len()), ("part", 8)];
+    let arrays = vec![
+        DataArray::numbers("A", &matrix_axes, "", flat(&linearised.a)),
+        DataArray::numbers("C", &matrix_axes, "", flat(&linearised.c)),
+        DataArray::numbers("B", &b_axes, "", b),
+        DataArray::numbers("terms", &term_axes, "", terms),
+    ];
+    Ok(vec![("linearised.npz", DataFile::Arrays(arrays))])
 }

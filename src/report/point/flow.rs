@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::case::{Case, ModelKind};
+use crate::report::DataFile;
 use crate::report::format::{
     VALIDITY_NOTE, case_title, coefficient_unit, format_coaxial_note, format_order, format_short,
     format_superscript,
@@ -236,7 +237,11 @@ fn format_supremum_location(place: &SupremumLocation) -> String {
 }
 
 /// Renders the tables of sampled growth rates; empty if none were sampled.
-pub(super) fn create_tables(found: &FlowAnalysis) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+pub(super) fn create_tables(
+    found: &FlowAnalysis,
+) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+    const DIRECTION_TABLE: &str = "growth_by_direction.csv";
+    const WAVE_NUMBER_TABLE: &str = "growth_by_wave_number.csv";
     let curves: Vec<(&str, &YieldingState)> = found
         .select_plotted_models()
         .iter()
@@ -246,15 +251,17 @@ pub(super) fn create_tables(found: &FlowAnalysis) -> Result<Vec<(&'static str, V
     if curves.is_empty() {
         return Ok(Vec::new());
     }
-    let by_direction = curves.iter().flat_map(|(model, state)| {
-        state.growth_by_direction.iter().map(|&[direction, rate]| -> Vec<files::csv::CsvCell> {
-            vec![(*model).into(), direction.into(), rate.into()]
-        })
+    let by_direction = curves.clone().into_iter().flat_map(|(model, state)| {
+        state.growth_by_direction.iter().map(
+            move |&[direction, rate]| -> Vec<files::csv::CsvCell> {
+                vec![model.into(), direction.into(), rate.into()]
+            },
+        )
     });
-    let by_wave_number = curves.iter().flat_map(|(model, state)| {
-        state.growth_by_wave_number.iter().map(|at| -> Vec<files::csv::CsvCell> {
+    let by_wave_number = curves.into_iter().flat_map(|(model, state)| {
+        state.growth_by_wave_number.iter().map(move |at| -> Vec<files::csv::CsvCell> {
             vec![
-                (*model).into(),
+                model.into(),
                 at.wave_number.into(),
                 at.growth_rate.into(),
                 at.max_growth_rate.into(),
@@ -266,7 +273,7 @@ pub(super) fn create_tables(found: &FlowAnalysis) -> Result<Vec<(&'static str, V
     let of_wave_number =
         ["model", "number", "growth_rate", "greatest_growth_rate", "greatest_direction_deg"];
     Ok(vec![
-        ("growth_by_direction.csv", files::csv::format_table(&of_direction, by_direction)?),
-        ("growth_by_wave_number.csv", files::csv::format_table(&of_wave_number, by_wave_number)?),
+        (DIRECTION_TABLE, DataFile::table(DIRECTION_TABLE, of_direction, by_direction)),
+        (WAVE_NUMBER_TABLE, DataFile::table(WAVE_NUMBER_TABLE, of_wave_number, by_wave_number)),
     ])
 }

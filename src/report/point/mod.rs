@@ -5,7 +5,7 @@ mod flow;
 mod flow_figures;
 mod solid;
 
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::PointResult;
@@ -30,7 +30,7 @@ impl Report for PointResult {
         })
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         match self {
             Self::Flow(found) => flow::create_tables(found),
             Self::Solid(_) => Ok(Vec::new()),

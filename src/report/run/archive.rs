@@ -1,40 +1,57 @@
-//! NPZ archives of the final fields and of receiver records.
+//! Arrays of fields and of records, and the reader of the archive of fields.
 
-use crate::Error;
+use crate::report::{ArrayData, DataArray};
 use crate::study::simulate::{FieldQuantity, OutputFields, RecordTable};
-use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_arrays};
+use files::npz::{ArrayValues, NpzArray, NpzError, read_selected_arrays};
+use std::borrow::Cow;
 
-/// Renders the NPZ archive of the output fields at one time.
-///
-/// # Errors
-/// The archive cannot be created.
-pub(super) fn encode_fields(fields: &OutputFields) -> Result<Vec<u8>, Error> {
-    let mut archive = NpzWriter::new();
-    for (axis, along) in fields.coordinates.iter().enumerate() {
-        archive.add_f64(&format!("x{}", axis + 1), &[along.len()], along)?;
-    }
-    archive.add_f64("time", &[], &[fields.time])?;
+/// Creates the arrays of the output fields at one time; values of owned fields are moved.
+pub fn create_field_arrays<'a>(fields: Cow<'a, OutputFields>) -> Vec<DataArray<'a>> {
+    const AXES: [&str; 3] = ["x1", "x2", "x3"];
+    // Shapes list the slowest-varying axis first; in the fields the first axis varies fastest.
+    let lengths = fields.coordinates.iter().map(Vec::len);
+    let mut shape: Vec<(&str, usize)> = AXES.into_iter().zip(lengths).collect();
+    shape.reverse();
+    let mut arrays: Vec<DataArray> = AXES
+        .into_iter()
+        .zip(&fields.coordinates)
+        .map(|(axis, along)| DataArray::numbers(axis, &[(axis, along.len())], "m", along.clone()))
+        .collect();
+    arrays.push(DataArray::numbers("time", &[], "s", vec![fields.time]));
     if let Some(deformation) = &fields.deformation_gradient {
-        archive.add_f64("deformation", &[2, 2], deformation.as_flattened())?;
+        let values = deformation.as_flattened().to_vec();
+        arrays.push(DataArray::numbers("deformation", &[("row", 2), ("column", 2)], "1", values));
     }
     let names: Vec<&str> = fields.quantities.iter().map(|own| own.name.as_str()).collect();
     let units: Vec<&str> = fields.quantities.iter().map(|own| own.unit).collect();
-    archive.add_text("names", &[names.len()], &names)?;
-    archive.add_text("units", &[units.len()], &units)?;
-    // NPZ shapes list the slowest-varying axis first; in the fields the first axis varies fastest.
-    let shape: Vec<usize> = fields.coordinates.iter().rev().map(Vec::len).collect();
-    for own in &fields.quantities {
-        archive.add_f64(&own.name, &shape, &own.values)?;
+    arrays.push(DataArray::texts("names", "quantity", &names));
+    arrays.push(DataArray::texts("units", "quantity", &units));
+    let regions: Vec<i32> = fields.region_indices.iter().map(|&region| i32::from(region)).collect();
+    let mut add = |name: Cow<'a, str>, unit: &'static str, values: Cow<'a, [f64]>| {
+        arrays.push(DataArray::numbers(name, &shape, unit, values));
+    };
+    match fields {
+        Cow::Borrowed(fields) => {
+            for own in &fields.quantities {
+                add(own.name.as_str().into(), own.unit, own.values.as_slice().into());
+            }
+            if !fields.plastic_dissipation.is_empty() {
+                add("dissipation".into(), "J/m3", fields.plastic_dissipation.as_slice().into());
+            }
+        }
+        Cow::Owned(fields) => {
+            for own in fields.quantities {
+                add(own.name.into(), own.unit, own.values.into());
+            }
+            if !fields.plastic_dissipation.is_empty() {
+                add("dissipation".into(), "J/m3", fields.plastic_dissipation.into());
+            }
+        }
     }
-    if !fields.plastic_dissipation.is_empty() {
-        archive.add_f64("dissipation", &shape, &fields.plastic_dissipation)?;
+    if !regions.is_empty() {
+        arrays.push(DataArray::new("region", &shape, "", ArrayData::I32(regions)));
     }
-    if !fields.region_indices.is_empty() {
-        let regions: Vec<i32> =
-            fields.region_indices.iter().map(|&region| i32::from(region)).collect();
-        archive.add_i32("region", &shape, &regions)?;
-    }
-    Ok(archive.finish()?)
+    arrays
 }
 
 /// Reads the fields to be drawn from an archive on a grid of `cells` cells or points; the deformation gradient of a
@@ -63,18 +80,26 @@ pub fn read_fields(bytes: &[u8], cells: usize) -> Result<OutputFields, NpzError>
     Ok(fields)
 }
 
-/// Renders the NPZ archive of a table, with one array per column.
-///
-/// # Errors
-/// The archive cannot be created.
-pub(super) fn encode_table(table: &RecordTable) -> Result<Vec<u8>, Error> {
-    let mut archive = NpzWriter::new();
+/// Creates the arrays of a table, one per column; values of an owned table are moved.
+pub fn create_record_arrays<'a>(table: Cow<'a, RecordTable>) -> Vec<DataArray<'a>> {
     let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
     let units: Vec<&str> = table.columns.iter().map(|column| column.unit).collect();
-    archive.add_text("names", &[names.len()], &names)?;
-    archive.add_text("units", &[units.len()], &units)?;
-    for column in &table.columns {
-        archive.add_f64(&column.name, &[column.values.len()], &column.values)?;
+    let mut arrays = vec![
+        DataArray::texts("names", "column", &names),
+        DataArray::texts("units", "column", &units),
+    ];
+    let mut add = |name: Cow<'a, str>, unit: &'static str, values: Cow<'a, [f64]>| {
+        arrays.push(DataArray::numbers(name, &[("time", values.len())], unit, values));
+    };
+    match table {
+        Cow::Borrowed(table) => table
+            .columns
+            .iter()
+            .for_each(|own| add(own.name.as_str().into(), own.unit, own.values.as_slice().into())),
+        Cow::Owned(table) => table
+            .columns
+            .into_iter()
+            .for_each(|own| add(own.name.into(), own.unit, own.values.into())),
     }
-    Ok(archive.finish()?)
+    arrays
 }

@@ -2,10 +2,11 @@
 
 use crate::Error;
 use crate::case::dynamics::{Blocks, FaceQuantity, SolidGrid};
+use crate::report::{ArrayData, DataArray, DataFile, DataTable};
 use crate::study::simulate::{FaceRecord, JOINT_QUANTITIES, JointFace};
 use figures::{FieldLine, FieldLineSet, FieldLineStyle};
-use files::csv::{CsvCell, format_table};
-use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_arrays};
+use files::csv::CsvCell;
+use files::npz::{ArrayValues, NpzArray, NpzError, read_selected_arrays};
 use files::vti::{POINTS_ARRAY, PolyData, Storage};
 
 /// Column of a table of joints: name, unit, and value by face.
@@ -19,47 +20,44 @@ const POSITION_COLUMNS: [FaceColumn; 4] = [
     ("joint", "1", |face| face.joint_index as f64),
 ];
 
-/// Renders the CSV table of all faces, with one row per face.
-///
-/// # Errors
-/// Cannot occur: all rows have the length of the header.
-pub(super) fn format_csv(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
-    let places = POSITION_COLUMNS.iter().map(|column| column.0);
-    let header: Vec<&str> = places.chain(JOINT_QUANTITIES.iter().map(|own| own.0)).collect();
-    let row = |face: &JointFace| -> Vec<CsvCell> {
+/// Creates the table of all faces, with one row per face.
+pub(super) fn create_table(faces: &[JointFace]) -> DataFile<'_> {
+    let rows = faces.iter().map(|face| {
         let place = POSITION_COLUMNS.iter().map(|(_, _, value)| value(face));
         let state = JOINT_QUANTITIES.iter().map(|(_, _, value)| value(&face.record));
         place.chain(state).map(CsvCell::Number).collect()
-    };
-    Ok(format_table(&header, faces.iter().map(row))?)
+    });
+    let columns = column_units().map(|(name, unit)| (name.to_owned(), unit.into())).collect();
+    DataFile::Table(DataTable { columns, rows: Box::new(rows) })
 }
 
-/// Renders the NPZ archive of all faces, with one array per column.
-///
-/// # Errors
-/// The archive cannot be created.
-pub(super) fn encode_npz(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
-    let mut archive = NpzWriter::new();
+/// Iterates over the names and units of all columns.
+fn column_units() -> impl Iterator<Item = (&'static str, &'static str)> {
     let columns = POSITION_COLUMNS.iter().map(|(name, unit, _)| (*name, *unit));
-    let columns = columns.chain(JOINT_QUANTITIES.iter().map(|(name, unit, _)| (*name, *unit)));
-    let (names, units): (Vec<&str>, Vec<&str>) = columns.unzip();
-    archive.add_text("names", &[names.len()], &names)?;
-    archive.add_text("units", &[units.len()], &units)?;
-    let shape = [faces.len()];
+    columns.chain(JOINT_QUANTITIES.iter().map(|(name, unit, _)| (*name, *unit)))
+}
+
+/// Creates the arrays of all faces, one per column.
+pub(super) fn create_arrays(faces: &[JointFace]) -> DataFile<'_> {
+    let (names, units): (Vec<&str>, Vec<&str>) = column_units().unzip();
+    let along = [("face", faces.len())];
+    let mut arrays = vec![
+        DataArray::texts("names", "column", &names),
+        DataArray::texts("units", "column", &units),
+    ];
     for (name, unit, value) in POSITION_COLUMNS {
-        let values: Vec<f64> = faces.iter().map(value).collect();
-        if unit == "m" {
-            archive.add_f64(name, &shape, &values)?;
-        } else {
-            let integers: Vec<i32> = values.iter().map(|value| *value as i32).collect();
-            archive.add_i32(name, &shape, &integers)?;
-        }
+        let values = faces.iter().map(value);
+        let values = match unit {
+            "m" => ArrayData::F64(values.collect()),
+            _ => ArrayData::I32(values.map(|value| value as i32).collect()),
+        };
+        arrays.push(DataArray::new(name, &along, unit, values));
     }
-    for (name, _, value) in JOINT_QUANTITIES {
+    for (name, unit, value) in JOINT_QUANTITIES {
         let values: Vec<f64> = faces.iter().map(|face| value(&face.record)).collect();
-        archive.add_f64(name, &shape, &values)?;
+        arrays.push(DataArray::numbers(name, &along, unit, values));
     }
-    Ok(archive.finish()?)
+    DataFile::Arrays(arrays)
 }
 
 /// Creates the ParaView file of all faces, one line each.

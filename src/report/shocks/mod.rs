@@ -3,13 +3,13 @@
 mod figures;
 
 use super::format::{case_title, format_short};
-use super::{Report, ReportPicture};
+use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::shocks::{
     FrontState, PistonResult, ProfilePoint, ReleaseResult, ShocksResult, SpallResult, WaveRow,
 };
-use ::files::csv::{CsvCell, format_table};
+use ::files::csv::CsvCell;
 use std::fmt::Write as _;
 
 impl Report for ShocksResult {
@@ -54,17 +54,17 @@ impl Report for ShocksResult {
         Ok(piston.into_iter().chain(spall).collect())
     }
 
-    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         let mut tables = Vec::new();
         if let Some(piston) = &self.piston {
-            tables.push(("shocks.csv", format_waves(piston)?));
-            let profiles = [(piston.profile_time, piston.profile.as_slice())];
-            tables.push(("profile.csv", format_profiles("position", &profiles)?));
+            tables.push(("shocks.csv", create_wave_table(piston)));
+            let profiles = vec![(piston.profile_time, piston.profile.as_slice())];
+            tables.push(("profile.csv", create_profile_table("profile.csv", "position", profiles)));
         }
         if let Some(spall) = &self.spall {
             let profiles: Vec<(f64, &[ProfilePoint])> =
                 spall.profiles.iter().map(|(time, points)| (*time, points.as_slice())).collect();
-            tables.push(("spall.csv", format_profiles("distance", &profiles)?));
+            tables.push(("spall.csv", create_profile_table("spall.csv", "distance", profiles)));
         }
         Ok(tables)
     }
@@ -216,7 +216,7 @@ fn write_waves(waves: &[WaveRow], text: &mut String) {
     }
 }
 
-fn format_waves(piston: &PistonResult) -> Result<Vec<u8>, Error> {
+fn create_wave_table(piston: &PistonResult) -> DataFile<'_> {
     let header = [
         "stage",
         "wave",
@@ -242,18 +242,19 @@ fn format_waves(piston: &PistonResult) -> Result<Vec<u8>, Error> {
         cells.push(wave.dissipation.into());
         cells
     });
-    Ok(format_table(&header, rows)?)
+    DataFile::table("shocks.csv", header, rows)
 }
 
-fn format_profiles(
+fn create_profile_table<'a>(
+    file: &str,
     position: &'static str,
-    profiles: &[(f64, &[ProfilePoint])],
-) -> Result<Vec<u8>, Error> {
+    profiles: Vec<(f64, &'a [ProfilePoint])>,
+) -> DataFile<'a> {
     let points =
-        profiles.iter().flat_map(|(time, points)| points.iter().map(move |own| (time, own)));
+        profiles.into_iter().flat_map(|(time, points)| points.iter().map(move |own| (time, own)));
     let rows = points.map(|(time, own)| -> Vec<CsvCell> {
         let FrontState { strain, velocity, pressure } = own.state;
-        [*time, own.position, pressure, velocity, strain].map(CsvCell::from).to_vec()
+        [time, own.position, pressure, velocity, strain].map(CsvCell::from).to_vec()
     });
-    Ok(format_table(&["time", position, "pressure", "velocity", "strain"], rows)?)
+    DataFile::table(file, ["time", position, "pressure", "velocity", "strain"], rows)
 }

@@ -1,8 +1,8 @@
 //! Recorder that keeps the output of a simulation in memory.
 
 use super::{
-    OutputFields, RecordColumn, RecordTable, Recorder, RunProgress, RunRecords, TableHeader,
-    TableKind,
+    OutputFields, RecordColumn, RecordTable, Recorder, RunProgress, RunRecords, SnapshotCallback,
+    TableHeader, TableKind,
 };
 use crate::Error;
 use crate::study::ProgressCallback;
@@ -11,15 +11,19 @@ use dynamics::simulation::{RegularTimes, SimulationState};
 /// Number of progress steps over the duration of a simulation.
 const PROGRESS_STEP_COUNT: usize = 1000;
 
-/// Recorder that keeps all output in memory and reports progress to a callback.
-pub(super) struct MemoryRecorder<'a> {
+/// Recorder that keeps all output in memory, or passes the snapshots to a callback, and reports progress.
+pub(super) struct MemoryRecorder<'a, 'b> {
     records: RunRecords,
+    on_snapshot: Option<SnapshotCallback<'b>>,
     on_progress: ProgressCallback<'a>,
 }
 
-impl<'a> MemoryRecorder<'a> {
-    pub(super) fn new(on_progress: ProgressCallback<'a>) -> Self {
-        Self { records: RunRecords::default(), on_progress }
+impl<'a, 'b> MemoryRecorder<'a, 'b> {
+    pub(super) fn new(
+        on_progress: ProgressCallback<'a>,
+        on_snapshot: Option<SnapshotCallback<'b>>,
+    ) -> Self {
+        Self { records: RunRecords::default(), on_snapshot, on_progress }
     }
 
     fn table_mut(&mut self, kind: TableKind) -> &mut RecordTable {
@@ -39,7 +43,7 @@ impl<'a> MemoryRecorder<'a> {
     }
 }
 
-impl Recorder for MemoryRecorder<'_> {
+impl Recorder for MemoryRecorder<'_, '_> {
     fn start(
         &mut self,
         tables: &[TableHeader],
@@ -65,7 +69,14 @@ impl Recorder for MemoryRecorder<'_> {
     }
 
     fn record_snapshot(&mut self, _index: usize, fields: OutputFields) -> Result<(), Error> {
-        self.records.snapshots.push(fields);
+        match &mut self.on_snapshot {
+            None => self.records.snapshots.push(fields),
+            Some(take) => {
+                if take(fields).is_break() {
+                    return Err(Error::Cancelled);
+                }
+            }
+        }
         Ok(())
     }
 
