@@ -1,0 +1,197 @@
+//! Cases and results as Python objects.
+
+use crate::arrays::{convert_arrays, convert_file};
+use crate::error::{to_case_exception, to_exception};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList};
+use std::borrow::Cow;
+use std::path::PathBuf;
+use wellposed::case::Case;
+use wellposed::figures::FigureFormat;
+use wellposed::report::run::{create_field_arrays, create_record_arrays};
+use wellposed::report::{PictureOptions, Report, ReportPicture, draw_pictures, to_json};
+use wellposed::study::RunResult;
+use wellposed::{Error, report};
+
+/// Case of a study, read and checked.
+#[pyclass(frozen, name = "RawCase")]
+pub struct RawCase(pub Case);
+
+#[pymethods]
+impl RawCase {
+    /// Reads a case file or a bundled case.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf, settings: Vec<String>) -> PyResult<Self> {
+        Case::load(&path, &settings).map(Self).map_err(|error| to_case_exception(py, &error))
+    }
+
+    /// Reads the text of a case file.
+    #[staticmethod]
+    fn parse(py: Python<'_>, text: &str, settings: Vec<String>) -> PyResult<Self> {
+        // The file name in messages; files named in the text are relative to the working directory.
+        Case::parse(text, "case.toml", &settings)
+            .map(Self)
+            .map_err(|error| to_case_exception(py, &error))
+    }
+
+    /// Name of the case.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// Title of the case; empty if it has none.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.0.title
+    }
+
+    /// Hints on former names that the case uses.
+    #[getter]
+    fn hints(&self) -> Vec<String> {
+        self.0.hints().iter().map(ToString::to_string).collect()
+    }
+
+    /// Formats the resolved case as TOML.
+    fn to_toml(&self) -> String {
+        self.0.to_toml()
+    }
+}
+
+/// Result of a study: report as text and JSON, pictures to be drawn, and arrays.
+#[pyclass(frozen, name = "RawResult")]
+pub struct RawResult {
+    /// Name of the study, such as `map`.
+    #[pyo3(get)]
+    name: &'static str,
+    /// Report as text.
+    #[pyo3(get)]
+    text: String,
+    /// Report as JSON.
+    #[pyo3(get)]
+    json: String,
+    /// Arrays by table: a list of (name, axes, unit, array).
+    #[pyo3(get)]
+    tables: Py<PyDict>,
+    /// Arrays of the snapshots kept in memory.
+    #[pyo3(get)]
+    snapshots: Py<PyList>,
+    pictures: Vec<ReportPicture>,
+}
+
+#[pymethods]
+impl RawResult {
+    /// Names of the pictures.
+    #[getter]
+    fn picture_names(&self) -> Vec<&'static str> {
+        self.pictures.iter().map(ReportPicture::file_stem).collect()
+    }
+
+    /// Draws a picture; the result is the content of its file.
+    fn draw<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        format: &str,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let formats = [FigureFormat::Png, FigureFormat::Svg, FigureFormat::Pdf];
+        let Some(format) = formats.into_iter().find(|own| own.extension() == format) else {
+            let message = format!("picture format: found '{format}'; expected png, svg or pdf");
+            return Err(PyValueError::new_err(message));
+        };
+        let Some(index) = self.pictures.iter().position(|own| own.file_stem() == name) else {
+            let allowed = self.picture_names().join(", ");
+            let message = format!("picture: found '{name}'; expected one of: {allowed}");
+            return Err(PyValueError::new_err(message));
+        };
+        let options = PictureOptions { formats: vec![format], ..PictureOptions::default() };
+        let mut drawn = Vec::new();
+        py.detach(|| {
+            draw_pictures(&self.pictures[index..=index], &options, |_, bytes| {
+                drawn.extend_from_slice(bytes);
+                Ok::<(), Error>(())
+            })
+        })
+        .map_err(|error| to_exception(py, &error))?;
+        Ok(PyBytes::new(py, &drawn))
+    }
+}
+
+impl RawResult {
+    /// Converts the report of a study.
+    ///
+    /// # Errors
+    /// The report, a picture or a table cannot be created.
+    pub fn new<R: Report>(py: Python<'_>, found: &R, case: &Case) -> PyResult<Self> {
+        Self::with_tables(py, found, case, PyDict::new(py))
+    }
+
+    /// Converts the result of a simulation; fields and records are moved.
+    ///
+    /// # Errors
+    /// The report, a picture or a table cannot be created.
+    pub fn from_run(py: Python<'_>, found: RunResult, case: &Case) -> PyResult<Self> {
+        let tables = PyDict::new(py);
+        // Tables of these names are not created from the report, which would copy them.
+        tables.set_item("fields", PyList::empty(py))?;
+        tables.set_item("receivers", PyList::empty(py))?;
+        let raw = Self::with_tables(py, &found, case, tables)?;
+        let tables = raw.tables.bind(py);
+        tables.del_item("receivers")?;
+        let RunResult { fields, records, .. } = found;
+        tables.set_item("fields", convert_arrays(py, create_field_arrays(Cow::Owned(fields)))?)?;
+        let records_by_name = [
+            ("receivers", records.receivers),
+            ("ledger", Some(records.ledger)),
+            ("spectrum", records.spectrum),
+        ];
+        for (name, table) in records_by_name {
+            if let Some(table) = table {
+                let arrays = create_record_arrays(Cow::Owned(table));
+                tables.set_item(name, convert_arrays(py, arrays)?)?;
+            }
+        }
+        for fields in records.snapshots {
+            raw.snapshots
+                .bind(py)
+                .append(convert_arrays(py, create_field_arrays(Cow::Owned(fields)))?)?;
+        }
+        Ok(raw)
+    }
+
+    /// Converts the report of a study and adds its data files to `tables` by their names without extension. Of a table and
+    /// an archive of the same name the archive is taken, and what `tables` already contains is left.
+    fn with_tables(
+        py: Python<'_>,
+        found: &impl Report,
+        case: &Case,
+        tables: Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let raise = |error: Error| to_exception(py, &error);
+        let mut files = found.create_tables(case).map_err(raise)?;
+        files.sort_by_key(|(_, file)| matches!(file, report::DataFile::Table(_)));
+        for (file_name, file) in files {
+            let stem = file_name.rsplit_once('.').map_or(file_name, |(stem, _)| stem);
+            if tables.contains(stem)? {
+                continue;
+            }
+            if let Some(arrays) = convert_file(py, file)? {
+                tables.set_item(stem, arrays)?;
+            }
+        }
+        let json = to_json(found).map_err(raise)?.to_string();
+        Ok(Self {
+            name: name_of(found),
+            text: found.to_text(case),
+            json,
+            tables: tables.unbind(),
+            snapshots: PyList::empty(py).unbind(),
+            pictures: found.create_pictures(case).map_err(raise)?,
+        })
+    }
+}
+
+fn name_of<R: Report>(_: &R) -> &'static str {
+    R::NAME
+}

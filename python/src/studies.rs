@@ -1,0 +1,211 @@
+//! One function per study.
+
+use crate::arrays::convert_arrays;
+use crate::result::{RawCase, RawResult};
+use crate::supervise::Supervision;
+use pyo3::prelude::*;
+use std::borrow::Cow;
+use std::ops::ControlFlow;
+use wellposed::case::ContinuumOptions;
+use wellposed::models::interface::continuum::OpeningLimit;
+use wellposed::report::run::create_field_arrays;
+use wellposed::setup::check::CheckExtent;
+use wellposed::study::simulate::{
+    OutputFields, SimulationSettings, simulate, simulate_with_snapshots,
+};
+use wellposed::study::{self, MapOptions};
+
+type Progress<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Analyses the state of a case.
+#[pyfunction]
+#[pyo3(signature = (case, progress, threads))]
+pub fn point(
+    py: Python<'_>,
+    case: &RawCase,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let case = &case.0;
+    let run = Supervision { progress, threads };
+    let found = run.run(py, |progress| study::analyse_point(case, progress))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Computes the verdict over two parameters.
+#[pyfunction]
+#[pyo3(signature = (case, bound, growth_rate, model_blind, progress, threads))]
+pub fn map(
+    py: Python<'_>,
+    case: &RawCase,
+    bound: bool,
+    growth_rate: bool,
+    model_blind: bool,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let case = &case.0;
+    let options = MapOptions {
+        computes_bound: bound,
+        computes_growth_rate: growth_rate,
+        is_model_blind: model_blind,
+    };
+    let run = Supervision { progress, threads };
+    let found = run.run(py, |progress| study::compute_map(case, options, progress))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Computes the dispersion relation of a solid or, for a blocky medium, its Bloch waves.
+#[pyfunction]
+#[pyo3(signature = (case, progress, threads))]
+pub fn dispersion(
+    py: Python<'_>,
+    case: &RawCase,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let case = &case.0;
+    let run = Supervision { progress, threads };
+    if case.has_joints() {
+        let found = run.run(py, |progress| study::compute_bloch_waves(case, progress))?;
+        return RawResult::new(py, &found, case);
+    }
+    let found = run.run(py, |progress| study::compute_dispersion(case, progress))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Computes the characteristic speeds of a solid by direction.
+#[pyfunction]
+#[pyo3(signature = (case, progress, threads))]
+pub fn speeds(
+    py: Python<'_>,
+    case: &RawCase,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let case = &case.0;
+    let run = Supervision { progress, threads };
+    let found = run.run(py, |progress| study::compute_speeds(case, progress))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Computes exact plane waves in a granular or porous medium.
+#[pyfunction]
+pub fn shocks(py: Python<'_>, case: &RawCase) -> PyResult<RawResult> {
+    let case = &case.0;
+    let found = Supervision::default().run(py, |_| study::compute_shocks(case))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Computes the uniaxial diagram of a rheological scheme.
+#[pyfunction]
+pub fn diagram(py: Python<'_>, case: &RawCase) -> PyResult<RawResult> {
+    let case = &case.0;
+    let found = Supervision::default().run(py, |_| study::compute_diagram(case))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Computes the equivalent continuum of a blocky medium; returns the result and the text of the case of the continuum.
+#[pyfunction]
+#[pyo3(signature = (case, cells_per_block, overturning))]
+pub fn homogenise(
+    py: Python<'_>,
+    case: &RawCase,
+    cells_per_block: usize,
+    overturning: bool,
+) -> PyResult<(RawResult, String)> {
+    let case = &case.0;
+    let opening_limit = match overturning {
+        true => OpeningLimit::Overturning,
+        false => OpeningLimit::FirstOpening,
+    };
+    let options = ContinuumOptions { cells_per_block, opening_limit };
+    let found = Supervision::default().run(py, |_| study::homogenise(case, &options))?;
+    Ok((RawResult::new(py, &found, case)?, found.continuum_case.toml))
+}
+
+/// Compares predicted with simulated frequencies and growth rates.
+#[pyfunction]
+#[pyo3(signature = (case, quick, progress, threads))]
+pub fn check(
+    py: Python<'_>,
+    case: &RawCase,
+    quick: bool,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let case = &case.0;
+    let extent = if quick { CheckExtent::Short } else { CheckExtent::Full };
+    let run = Supervision { progress, threads };
+    let found = run.run(py, |progress| study::check_agreement(case, extent, progress))?;
+    RawResult::new(py, &found, case)
+}
+
+/// Simulates a solid or a flow; `on_snapshot` is called with the arrays of each snapshot.
+#[pyfunction]
+#[pyo3(signature = (case, accept_ill_posed, on_snapshot, progress, threads))]
+pub fn run(
+    py: Python<'_>,
+    case: &RawCase,
+    accept_ill_posed: bool,
+    on_snapshot: Option<Py<PyAny>>,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let case = &case.0;
+    let settings = SimulationSettings { accept_ill_posed };
+    let run = Supervision { progress, threads };
+    let found = match on_snapshot {
+        None => run.run(py, |progress| simulate(case, settings, progress))?,
+        Some(callable) => {
+            let call = |py: Python<'_>, fields: OutputFields| {
+                let arrays = convert_arrays(py, create_field_arrays(Cow::Owned(fields)))?;
+                callable.call1(py, (arrays,)).map(drop)
+            };
+            run.run_with_snapshots(py, &call, |progress, sender| {
+                // The calling thread receives as long as the study runs.
+                let mut send = |fields: OutputFields| match sender.send(fields) {
+                    Ok(()) => ControlFlow::Continue(()),
+                    Err(_) => ControlFlow::Break(()),
+                };
+                simulate_with_snapshots(case, settings, progress, &mut send)
+            })?
+        }
+    };
+    RawResult::from_run(py, found, case)
+}
+
+/// Simulates two cases of the same problem and compares the results.
+#[pyfunction]
+#[pyo3(signature = (first, second, progress, threads))]
+pub fn compare(
+    py: Python<'_>,
+    first: &RawCase,
+    second: &RawCase,
+    progress: Progress,
+    threads: Option<usize>,
+) -> PyResult<RawResult> {
+    let cases = [&first.0, &second.0];
+    let run = Supervision { progress, threads };
+    let found = run.run(py, |progress| {
+        let simulate_one = |index: usize| {
+            simulate(cases[index], SimulationSettings::default(), &|done, all| {
+                progress(index * all + done, 2 * all)
+            })
+        };
+        study::compare_runs(cases, [&simulate_one(0)?, &simulate_one(1)?])
+    })?;
+    RawResult::new(py, &found, cases[0])
+}
+
+/// Returns names and texts of the bundled cases.
+#[pyfunction]
+pub fn bundled_cases() -> Vec<(&'static str, &'static str)> {
+    wellposed::CASES.to_vec()
+}
+
+/// Returns the unit of a column of the table of a report.
+#[pyfunction]
+pub fn column_unit(file: &str, column: &str) -> Option<&'static str> {
+    wellposed::report::column_unit(file, column)
+}
