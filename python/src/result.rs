@@ -1,13 +1,14 @@
 //! Cases and results as Python objects.
 
 use crate::arrays::{convert_arrays, convert_file};
-use crate::error::{to_case_exception, to_exception};
+use crate::error::{TEXT_NAME, to_case_exception, to_exception};
+use crate::supervise::Supervision;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
 use std::borrow::Cow;
 use std::path::PathBuf;
-use wellposed::case::Case;
+use wellposed::case::{Case, CaseError};
 use wellposed::figures::FigureFormat;
 use wellposed::report::run::{create_field_arrays, create_record_arrays};
 use wellposed::report::{PictureOptions, Report, ReportPicture, draw_pictures, to_json};
@@ -16,46 +17,67 @@ use wellposed::{Error, report};
 
 /// Case of a study, read and checked.
 #[pyclass(frozen, name = "RawCase")]
-pub struct RawCase(pub Case);
+pub struct RawCase {
+    /// The case.
+    pub case: Case,
+    /// Whether errors state lines; those of a text generated from a `dict` mean nothing.
+    has_lines: bool,
+}
+
+impl RawCase {
+    fn new(py: Python<'_>, read: Result<Case, CaseError>, has_lines: bool) -> PyResult<Self> {
+        match read {
+            Ok(case) => Ok(Self { case, has_lines }),
+            Err(error) => Err(to_case_exception(py, &error, has_lines)),
+        }
+    }
+
+    /// Returns the supervision of a study of this case.
+    pub fn supervise<'a, 'py>(
+        &self,
+        progress: Option<&'a Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> Supervision<'a, 'py> {
+        Supervision { progress, threads, has_lines: self.has_lines }
+    }
+}
 
 #[pymethods]
 impl RawCase {
     /// Reads a case file or a bundled case.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf, settings: Vec<String>) -> PyResult<Self> {
-        Case::load(&path, &settings).map(Self).map_err(|error| to_case_exception(py, &error))
+        Self::new(py, Case::load(&path, &settings), true)
     }
 
-    /// Reads the text of a case file.
+    /// Reads the text of a case file; if `has_lines` is not set, errors state no lines.
     #[staticmethod]
-    fn parse(py: Python<'_>, text: &str, settings: Vec<String>) -> PyResult<Self> {
+    fn parse(py: Python<'_>, text: &str, settings: Vec<String>, has_lines: bool) -> PyResult<Self> {
         // The file name in messages; files named in the text are relative to the working directory.
-        Case::parse(text, "case.toml", &settings)
-            .map(Self)
-            .map_err(|error| to_case_exception(py, &error))
+        Self::new(py, Case::parse(text, TEXT_NAME, &settings), has_lines)
     }
 
     /// Name of the case.
     #[getter]
     fn name(&self) -> &str {
-        &self.0.name
+        &self.case.name
     }
 
     /// Title of the case; empty if it has none.
     #[getter]
     fn title(&self) -> &str {
-        &self.0.title
+        &self.case.title
     }
 
     /// Hints on former names that the case uses.
     #[getter]
     fn hints(&self) -> Vec<String> {
-        self.0.hints().iter().map(ToString::to_string).collect()
+        self.case.hints().iter().map(ToString::to_string).collect()
     }
 
     /// Formats the resolved case as TOML.
     fn to_toml(&self) -> String {
-        self.0.to_toml()
+        self.case.to_toml()
     }
 }
 
@@ -113,7 +135,7 @@ impl RawResult {
                 Ok::<(), Error>(())
             })
         })
-        .map_err(|error| to_exception(py, &error))?;
+        .map_err(|error| to_exception(py, &error, true))?;
         Ok(PyBytes::new(py, &drawn))
     }
 }
@@ -168,7 +190,7 @@ impl RawResult {
         case: &Case,
         tables: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let raise = |error: Error| to_exception(py, &error);
+        let raise = |error: Error| to_exception(py, &error, true);
         let mut files = found.create_tables(case).map_err(raise)?;
         files.sort_by_key(|(_, file)| matches!(file, report::DataFile::Table(_)));
         for (file_name, file) in files {

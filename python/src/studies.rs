@@ -2,7 +2,6 @@
 
 use crate::arrays::convert_arrays;
 use crate::result::{RawCase, RawResult};
-use crate::supervise::Supervision;
 use pyo3::prelude::*;
 use std::borrow::Cow;
 use std::ops::ControlFlow;
@@ -26,8 +25,8 @@ pub fn point(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let case = &case.0;
-    let run = Supervision { progress, threads };
+    let run = case.supervise(progress, threads);
+    let case = &case.case;
     let found = run.run(py, |progress| study::analyse_point(case, progress))?;
     RawResult::new(py, &found, case)
 }
@@ -44,13 +43,13 @@ pub fn map(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let case = &case.0;
     let options = MapOptions {
         computes_bound: bound,
         computes_growth_rate: growth_rate,
         is_model_blind: model_blind,
     };
-    let run = Supervision { progress, threads };
+    let run = case.supervise(progress, threads);
+    let case = &case.case;
     let found = run.run(py, |progress| study::compute_map(case, options, progress))?;
     RawResult::new(py, &found, case)
 }
@@ -64,8 +63,8 @@ pub fn dispersion(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let case = &case.0;
-    let run = Supervision { progress, threads };
+    let run = case.supervise(progress, threads);
+    let case = &case.case;
     if case.has_joints() {
         let found = run.run(py, |progress| study::compute_bloch_waves(case, progress))?;
         return RawResult::new(py, &found, case);
@@ -83,8 +82,8 @@ pub fn speeds(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let case = &case.0;
-    let run = Supervision { progress, threads };
+    let run = case.supervise(progress, threads);
+    let case = &case.case;
     let found = run.run(py, |progress| study::compute_speeds(case, progress))?;
     RawResult::new(py, &found, case)
 }
@@ -92,16 +91,18 @@ pub fn speeds(
 /// Computes exact plane waves in a granular or porous medium.
 #[pyfunction]
 pub fn shocks(py: Python<'_>, case: &RawCase) -> PyResult<RawResult> {
-    let case = &case.0;
-    let found = Supervision::default().run(py, |_| study::compute_shocks(case))?;
+    let run = case.supervise(None, None);
+    let case = &case.case;
+    let found = run.run(py, |_| study::compute_shocks(case))?;
     RawResult::new(py, &found, case)
 }
 
 /// Computes the uniaxial diagram of a rheological scheme.
 #[pyfunction]
 pub fn diagram(py: Python<'_>, case: &RawCase) -> PyResult<RawResult> {
-    let case = &case.0;
-    let found = Supervision::default().run(py, |_| study::compute_diagram(case))?;
+    let run = case.supervise(None, None);
+    let case = &case.case;
+    let found = run.run(py, |_| study::compute_diagram(case))?;
     RawResult::new(py, &found, case)
 }
 
@@ -114,13 +115,14 @@ pub fn homogenise(
     cells_per_block: usize,
     overturning: bool,
 ) -> PyResult<(RawResult, String)> {
-    let case = &case.0;
+    let run = case.supervise(None, None);
+    let case = &case.case;
     let opening_limit = match overturning {
         true => OpeningLimit::Overturning,
         false => OpeningLimit::FirstOpening,
     };
     let options = ContinuumOptions { cells_per_block, opening_limit };
-    let found = Supervision::default().run(py, |_| study::homogenise(case, &options))?;
+    let found = run.run(py, |_| study::homogenise(case, &options))?;
     Ok((RawResult::new(py, &found, case)?, found.continuum_case.toml))
 }
 
@@ -134,9 +136,9 @@ pub fn check(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let case = &case.0;
     let extent = if quick { CheckExtent::Short } else { CheckExtent::Full };
-    let run = Supervision { progress, threads };
+    let run = case.supervise(progress, threads);
+    let case = &case.case;
     let found = run.run(py, |progress| study::check_agreement(case, extent, progress))?;
     RawResult::new(py, &found, case)
 }
@@ -152,9 +154,9 @@ pub fn run(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let case = &case.0;
     let settings = SimulationSettings { accept_ill_posed };
-    let run = Supervision { progress, threads };
+    let run = case.supervise(progress, threads);
+    let case = &case.case;
     let found = match on_snapshot {
         None => run.run(py, |progress| simulate(case, settings, progress))?,
         Some(callable) => {
@@ -185,8 +187,8 @@ pub fn compare(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let cases = [&first.0, &second.0];
-    let run = Supervision { progress, threads };
+    let run = first.supervise(progress, threads);
+    let cases = [&first.case, &second.case];
     let found = run.run(py, |progress| {
         let simulate_one = |index: usize| {
             simulate(cases[index], SimulationSettings::default(), &|done, all| {

@@ -14,12 +14,14 @@ use wellposed::study::simulate::OutputFields;
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Python callables of a study, and the number of its threads; `None` stands for one thread per core.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct Supervision<'a, 'py> {
     /// Called with the numbers of finished and of all steps.
     pub progress: Option<&'a Bound<'py, PyAny>>,
     /// Number of threads.
     pub threads: Option<usize>,
+    /// Whether errors of the case state lines.
+    pub has_lines: bool,
 }
 
 /// Sender of snapshots to the calling thread.
@@ -107,7 +109,7 @@ impl Supervision<'_, '_> {
             return Err(exception);
         }
         let result = result.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        let value = result.map_err(|error| to_exception(py, &error))?;
+        let value = result.map_err(|error| to_exception(py, &error, self.has_lines))?;
         report_progress(py)?;
         Ok(value)
     }

@@ -16,7 +16,12 @@ import pytest
 
 import wellposed
 
-FLOW = {"grid.cells": [36, 36], "initial[0].to": 8, "time.duration": 1e-4}
+FLOW = {
+    "grid.cells": [36, 36],
+    "initial[0].to": 8,
+    "time.duration": 4e-6,
+    "output.ledger_interval": 1e-6,
+}
 TEXT = """
 [model]
 kind = "harris-grekova"
@@ -180,11 +185,11 @@ def test_results_draw_themselves(study: str, case: str) -> None:
 
 
 def test_snapshots_are_kept_or_passed_to_a_callback() -> None:
-    settings = {**FLOW, "output.snapshot_interval": 5e-5}
+    settings = {**FLOW, "output.snapshot_interval": 2e-6}
     kept = wellposed.run("decay", set=settings, progress=False).snapshots
     taken: list[wellposed.Table] = []
     found = wellposed.run(
-        "decay", set=FLOW, snapshot_interval=5e-5, on_snapshot=taken.append, progress=False
+        "decay", set=FLOW, snapshot_interval=2e-6, on_snapshot=taken.append, progress=False
     )
     assert not found.snapshots
     assert [float(own["time"]) for own in taken] == [float(own["time"]) for own in kept]
@@ -199,7 +204,7 @@ def test_exceptions_of_callables_end_the_run() -> None:
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        wellposed.run("decay", set=FLOW, snapshot_interval=1e-5, on_snapshot=refuse)
+        wellposed.run("decay", set=FLOW, snapshot_interval=1e-6, on_snapshot=refuse)
 
     def fail(done: int, total: int) -> None:
         raise LookupError(f"{done} of {total}")
@@ -226,7 +231,7 @@ def test_other_threads_work_during_a_run() -> None:
     thread = threading.Thread(target=count)
     thread.start()
     begin = time.perf_counter()
-    wellposed.run("decay", set={**FLOW, "time.duration": 1e-3}, progress=False)
+    wellposed.run("decay", set=FLOW, progress=False)
     elapsed = time.perf_counter() - begin
     is_done.set()
     thread.join()
@@ -266,7 +271,7 @@ def test_compare_runs_both_cases() -> None:
         "block[0].repeat": [20, 10],
         "block[0].origin": [-0.5, -0.5],
         "receiver[0].at": [0.025, -0.125],
-        "time.duration": 1e-4,
+        "time.duration": 1e-5,
     }
     first = wellposed.Case("comparison-breaking", set=settings)
     second = wellposed.Case(first, set={"joint[0].fracture": False})

@@ -14,8 +14,8 @@ JOINTS = {"time.duration": 2e-6}
 FLOW = {
     "grid.cells": [36, 36],
     "initial[0].to": 8,
-    "time.duration": 1e-4,
-    "output.snapshot_interval": 5e-5,
+    "time.duration": 4e-6,
+    "output.ledger_interval": 1e-6,
 }
 
 CASES = [

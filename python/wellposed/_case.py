@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Union
 
 from . import _wellposed
-from ._errors import CaseError
 
 CaseSource = Union["Case", str, "os.PathLike[str]", Mapping[str, Any]]
 """A case, the path of a case file, the name of a bundled case, TOML text, or a ``dict`` of sections."""
@@ -84,14 +83,9 @@ def _read(
     source: str | os.PathLike[str] | Mapping[str, Any], settings: list[str]
 ) -> _wellposed.RawCase:
     if isinstance(source, Mapping):
-        try:
-            return _wellposed.RawCase.parse(to_toml(source), settings)
-        except CaseError as error:
-            # The line is one of the generated text.
-            message = str(error).replace(f"case.toml:{error.line}:", "case:", 1)
-            raise CaseError(message, error.key, None, error.found, error.allowed) from None
+        return _wellposed.RawCase.parse(to_toml(source), settings, False)
     if isinstance(source, str) and ("\n" in source or "=" in source):
-        return _wellposed.RawCase.parse(source, settings)
+        return _wellposed.RawCase.parse(source, settings, True)
     return _wellposed.RawCase.load(source, settings)
 
 
