@@ -153,7 +153,7 @@ def test_xarray_has_axes_and_units() -> None:
     assert float(fields["time"]) == run.final_time
     ledger = run.to_xarray("ledger")
     assert ledger["kinetic"].dims == ("time",) and ledger["kinetic"].units == "J/m3"
-    speeds = wellposed.speeds("cosserat-space").to_xarray()
+    speeds = wellposed.speeds("flutter").to_xarray()
     assert speeds["squared_speed"].units == "m2/s2"
 
 
@@ -164,7 +164,7 @@ def test_xarray_has_axes_and_units() -> None:
         ("point", "plastic-potential"),
         ("dispersion", "forbidden-band"),
         ("dispersion", "cracks"),
-        ("speeds", "cosserat-space"),
+        ("speeds", "flutter"),
         ("diagram", "granular-plastic"),
         ("shocks", "foam-collapse"),
     ],
