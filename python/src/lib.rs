@@ -1,6 +1,6 @@
 //! Extension module of the Python package `wellposed`: cases, and one function per study.
 //!
-//! Functions return a [`RawResult`](result::RawResult), which the classes of the package present. They call the studies of the
+//! Functions return a `RawResult`, which the classes of the package present. They call the studies of the
 //! library and read or write no files, except case files and files named in them.
 
 mod arrays;

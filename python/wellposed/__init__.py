@@ -4,9 +4,8 @@ One function per study takes a case (a path, the name of a bundled case, TOML te
 a result with NumPy arrays, ``to_xarray()``, ``plot()`` and a representation in notebooks.
 
 >>> import wellposed
->>> found = wellposed.map("noncoaxiality-bound", set={"map.x.points": 10, "map.y.points": 2})
->>> found.well_posed_share
-0.5
+>>> wellposed.point("noncoaxiality-bound", set={"background.noncoaxiality_deg": 40}).verdict
+'well-posed'
 """
 
 from ._case import Case, CaseSource, Overrides
