@@ -8,6 +8,9 @@
 //! other axes the exchange precedes the pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
 
 mod channels;
+pub mod communicator;
+#[cfg(unix)]
+pub mod mpi;
 mod plan;
 mod threads;
 
