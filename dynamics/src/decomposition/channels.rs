@@ -1,7 +1,12 @@
-//! Halo exchange between subdomains on threads of the same process.
+//! Halo exchange between subdomains: on threads of the same process, and on other ranks.
 
+use super::communicator::Communicator;
+use super::messages::append_numbers;
+use super::ranks::Owner;
+use crate::simd::{LaneGroup, Real};
 use crate::solid::domain::HaloExchange;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Error of the halo exchange: the thread of a neighbouring subdomain has ended.
@@ -9,13 +14,31 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 #[error("the thread of a neighbouring part has ended")]
 pub(super) struct Disconnected;
 
-/// Channels to the neighbours, by axis and end (0: lower, 1: upper); `None` at ends without neighbour.
+/// Connections to the neighbours, by axis and end (0: lower, 1: upper); `None` at ends without neighbour.
 #[derive(Debug)]
-pub(super) struct Channels<T, const D: usize> {
-    neighbours: [[Option<NeighbourChannels<T>>; 2]; D],
+pub(super) struct Channels<T: Real, const D: usize> {
+    neighbours: [[Option<Connection<T>>; 2]; D],
 }
 
-impl<T, const D: usize> Default for Channels<T, D> {
+/// Connection to a neighbouring subdomain.
+#[derive(Debug)]
+enum Connection<T: Real> {
+    /// The neighbour is on a thread of the same process.
+    Thread(NeighbourChannels<T::Lanes>),
+    /// The neighbour is on another rank.
+    Rank(RankConnection),
+}
+
+/// Connection to a subdomain on another rank.
+#[derive(Debug)]
+struct RankConnection {
+    communicator: Arc<dyn Communicator>,
+    rank: usize,
+    /// Tags of the messages to the neighbour and from it.
+    tags: [u16; 2],
+}
+
+impl<T: Real, const D: usize> Default for Channels<T, D> {
     fn default() -> Self {
         Self { neighbours: std::array::from_fn(|_| [None, None]) }
     }
@@ -29,7 +52,7 @@ struct NeighbourChannels<T> {
     spare_messages: Vec<Vec<T>>,
 }
 
-impl<T, const D: usize> Channels<T, D> {
+impl<T: Real, const D: usize> Channels<T, D> {
     /// Connects the upper end of `axis` in subdomain `lower` with its lower end in subdomain `upper` (indices in
     /// `channels`, the channels of all subdomains), by channels that hold `capacity` messages. The two subdomains of a
     /// periodic axis are connected at both ends, by two calls.
@@ -42,24 +65,75 @@ impl<T, const D: usize> Channels<T, D> {
         let ((forth, from_below), (back, from_above)) =
             (sync_channel(capacity), sync_channel(capacity));
         let neighbour = |sender, receiver| {
-            Some(NeighbourChannels { sender, receiver, spare_messages: Vec::new() })
+            let spare_messages = Vec::new();
+            Some(Connection::Thread(NeighbourChannels { sender, receiver, spare_messages }))
         };
         channels[lower].neighbours[axis][1] = neighbour(forth, from_above);
         channels[upper].neighbours[axis][0] = neighbour(back, from_below);
     }
+
+    /// Connects an end of `axis` of the subdomain `thread` of this rank with the neighbour that another rank owns. The
+    /// tag of a message tells the subdomain of its receiver, and the axis and the end at which it arrives.
+    pub(super) fn connect_rank(
+        &mut self,
+        communicator: &Arc<dyn Communicator>,
+        (axis, end): (usize, usize),
+        thread: usize,
+        neighbour: Owner,
+    ) {
+        let tag = |thread: usize, end: usize| ((thread * D + axis) * 2 + end) as u16;
+        self.neighbours[axis][end] = Some(Connection::Rank(RankConnection {
+            communicator: Arc::clone(communicator),
+            rank: neighbour.rank,
+            tags: [tag(neighbour.thread, 1 - end), tag(thread, end)],
+        }));
+    }
 }
 
-impl<T: Copy, const D: usize> HaloExchange<T> for Channels<T, D> {
+impl RankConnection {
+    fn send<T: Real>(&self, values: &[T::Lanes], ranges: impl Iterator<Item = Range<usize>>) {
+        let mut message = Vec::new();
+        for range in ranges {
+            values[range].iter().for_each(|group| append_numbers(&mut message, group.lanes()));
+        }
+        self.communicator.begin_send(self.rank, self.tags[0], message);
+    }
+
+    fn receive<T: Real>(
+        &self,
+        values: &mut [T::Lanes],
+        ranges: impl Iterator<Item = Range<usize>>,
+    ) {
+        let ranges: Vec<_> = ranges.collect();
+        let groups: usize = ranges.iter().map(ExactSizeIterator::len).sum();
+        let mut message = vec![0; groups * T::Lanes::COUNT * size_of::<T>()];
+        self.communicator.receive(self.rank, self.tags[1], &mut message);
+        let mut numbers = T::from_bytes(&message).unwrap_or_default().into_iter();
+        for range in ranges {
+            let lanes = values[range].iter_mut().flat_map(|group| group.lanes_mut());
+            lanes.zip(&mut numbers).for_each(|(lane, number)| *lane = number);
+        }
+    }
+}
+
+impl<T: Real, const D: usize> HaloExchange<T::Lanes> for Channels<T, D> {
     type Error = Disconnected;
 
     fn send(
         &mut self,
         axis: usize,
         end: usize,
-        values: &[T],
+        values: &[T::Lanes],
         ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Disconnected> {
-        let Some(neighbour) = &mut self.neighbours[axis][end] else { return Ok(()) };
+        let neighbour = match &mut self.neighbours[axis][end] {
+            None => return Ok(()),
+            Some(Connection::Rank(rank)) => {
+                rank.send::<T>(values, ranges);
+                return Ok(());
+            }
+            Some(Connection::Thread(neighbour)) => neighbour,
+        };
         let mut message = neighbour.spare_messages.pop().unwrap_or_default();
         message.clear();
         ranges.for_each(|range| message.extend_from_slice(&values[range]));
@@ -70,10 +144,17 @@ impl<T: Copy, const D: usize> HaloExchange<T> for Channels<T, D> {
         &mut self,
         axis: usize,
         end: usize,
-        values: &mut [T],
+        values: &mut [T::Lanes],
         ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Disconnected> {
-        let Some(neighbour) = &mut self.neighbours[axis][end] else { return Ok(()) };
+        let neighbour = match &mut self.neighbours[axis][end] {
+            None => return Ok(()),
+            Some(Connection::Rank(rank)) => {
+                rank.receive::<T>(values, ranges);
+                return Ok(());
+            }
+            Some(Connection::Thread(neighbour)) => neighbour,
+        };
         let received = neighbour.receiver.recv().map_err(|_| Disconnected)?;
         let mut unread = received.as_slice();
         for range in ranges {

@@ -1,8 +1,10 @@
 //! Decomposition plan: subdomains of a grid and their neighbours.
 //!
-//! The numbers of subdomains along the axes are given. A run decomposes the grid along the last axis alone, with one
-//! subdomain per thread: [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis).
+//! The numbers of subdomains along the axes are given. A process decomposes its cells along the last axis alone, with
+//! one subdomain per thread: [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis). Several
+//! ranks decompose the grid along all axes: [`DecomposedDomain::with_ranks`](super::DecomposedDomain::with_ranks).
 
+use super::ranks::Owner;
 use crate::solid::domain::max_pass_steps;
 use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Grid, PassLimits};
@@ -108,10 +110,63 @@ impl<const D: usize> Decomposition<D> {
         Some(subdomain - position * stride + neighbour_position * stride)
     }
 
+    /// Returns the rank that owns a subdomain if each rank owns a box of `threads` subdomains along the last axis. Ranks
+    /// are numbered with the first axis fastest.
+    pub(super) fn owner(&self, subdomain: usize, threads: usize) -> Owner {
+        let in_layer: usize = self.subdomain_counts[..D - 1].iter().product();
+        let layer = subdomain / in_layer;
+        Owner { rank: layer / threads * in_layer + subdomain % in_layer, thread: layer % threads }
+    }
+
     /// Returns the maximum number of steps of a pass, for which one halo exchange suffices.
     pub fn max_pass_steps(&self) -> usize {
         self.max_pass_steps
     }
+}
+
+/// Returns the numbers of parts along the axes of a grid for `rank_count` ranks, with the least surface of all cuts
+/// together; of several such ones, that with fewest cuts along the first axes. Arguments as in [`Decomposition::new`].
+///
+/// # Errors
+/// [`DomainError::RankCount`] if some part would have fewer cells than the halo of its neighbour for one step.
+pub(super) fn plan_rank_counts<const D: usize>(
+    grid: &Grid<D>,
+    is_periodic: [bool; D],
+    limits: PassLimits,
+    rank_count: usize,
+) -> Result<[usize; D], DomainError> {
+    let min_cells = |axis: usize| HALO + if axis == 0 { limits.first_axis_halo } else { 0 };
+    let fits = |counts: &[usize; D]| {
+        (0..D).all(|axis| counts[axis] == 1 || grid.cells[axis] / counts[axis] >= min_cells(axis))
+    };
+    let cut_faces = |counts: &[usize; D]| -> usize {
+        let cuts = |axis: usize| match counts[axis] {
+            1 => 0,
+            count => count - usize::from(!is_periodic[axis]),
+        };
+        (0..D).map(|axis| cuts(axis) * grid.faces(axis)).sum()
+    };
+    // All products of D factors.
+    let divisors = |number: usize| (1..=number).filter(move |own| number.is_multiple_of(*own));
+    let mut factorisations = vec![([1; D], rank_count)];
+    for axis in 0..D - 1 {
+        let split = |(counts, rest): ([usize; D], usize)| {
+            divisors(rest).map(move |own| {
+                let mut counts = counts;
+                counts[axis] = own;
+                (counts, rest / own)
+            })
+        };
+        factorisations = factorisations.into_iter().flat_map(split).collect();
+    }
+    let with_last = factorisations.into_iter().map(|(mut counts, rest)| {
+        counts[D - 1] = rest;
+        counts
+    });
+    with_last
+        .filter(fits)
+        .min_by_key(|counts| (cut_faces(counts), *counts))
+        .ok_or(DomainError::RankCount { ranks: rank_count, cells: grid.count() })
 }
 
 /// Returns the position of a subdomain along each axis; `subdomain_counts`: numbers of subdomains along the
@@ -129,7 +184,8 @@ fn subdomain_position<const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::Decomposition;
+    use super::{Decomposition, plan_rank_counts};
+    use crate::decomposition::ranks::Owner;
     use crate::solid::problem::{DomainError, Grid, PassLimits};
 
     #[test]
@@ -163,5 +219,41 @@ mod tests {
             refused,
             Err(DomainError::SubdomainCount { axis: 1, actual: 3, cells: 9, min_cells: 4 })
         ));
+    }
+
+    #[test]
+    fn ranks_own_neighbouring_subdomains() {
+        let grid = Grid { cells: [40, 80], spacing: [1.0; 2] };
+        let limits = PassLimits { first_axis_halo: 0, max_steps: 1 };
+        // 2 × 3 ranks with two threads each.
+        let plan = Decomposition::new(&grid, [false; 2], limits, [2, 6]).expect("sound");
+        let owners: Vec<Owner> = (0..12).map(|index| plan.owner(index, 2)).collect();
+        let ranks: Vec<usize> = owners.iter().map(|owner| owner.rank).collect();
+        assert_eq!(ranks, [0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5]);
+        let threads: Vec<usize> = owners.iter().map(|owner| owner.thread).collect();
+        assert_eq!(threads, [0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn rank_counts_have_the_least_surface() {
+        let limits = PassLimits { first_axis_halo: 2, max_steps: 1 };
+        let plane = |cells: [usize; 2], periodic, ranks| {
+            plan_rank_counts(&Grid { cells, spacing: [1.0; 2] }, periodic, limits, ranks).ok()
+        };
+        // Of equal surfaces, cuts along the last axis come first.
+        assert_eq!(plane([100, 100], [false; 2], 2), Some([1, 2]));
+        assert_eq!(plane([100, 100], [false; 2], 4), Some([2, 2]));
+        assert_eq!(plane([300, 100], [false; 2], 4), Some([4, 1]));
+        assert_eq!(plane([300, 100], [false; 2], 6), Some([6, 1]));
+        assert_eq!(plane([100, 100], [false; 2], 7), Some([1, 7]));
+        // A periodic axis has one cut more: 2·100 + 1·120 of [2, 2] exceed 3·100 of [1, 4].
+        assert_eq!(plane([100, 120], [true, false], 4), Some([1, 4]));
+        // Parts need 6 cells along the first axis and 4 along the last.
+        assert_eq!(plane([17, 12], [false; 2], 6), Some([2, 3]));
+        assert_eq!(plane([17, 12], [false; 2], 7), None);
+        let space = Grid { cells: [64, 32, 32], spacing: [1.0; 3] };
+        let counts = |ranks| plan_rank_counts(&space, [false; 3], limits, ranks).ok();
+        // 1·32² + 1·32·64 + 1·32·64 = 5120 of [2, 2, 2] against 3·32² + 1·32·64 = 5120 of [4, 1, 2].
+        assert_eq!((counts(2), counts(8)), (Some([2, 1, 1]), Some([2, 2, 2])));
     }
 }

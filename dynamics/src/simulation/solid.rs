@@ -156,8 +156,8 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         let mut watched: Vec<usize> = probes.iter().flat_map(Probe::cells).collect();
         watched.sort_unstable();
         watched.dedup();
-        let solver = T::build_solver(choice, &problem)?;
         let threads = choice.thread_count::<T, D>(&problem);
+        let solver = T::build_solver(choice, &problem)?;
         let account = SolidAccount {
             time: 0.0,
             energy: Energy::default(),
@@ -477,10 +477,12 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
                 interlayer_history: interlayers,
             })
         };
-        let Some(snapshot) = snapshot().filter(|snapshot| self.solver.restore(snapshot)) else {
+        // An empty snapshot belongs to no problem. With several ranks, only the state of the root has fields.
+        let snapshot = snapshot().unwrap_or_default();
+        if !self.solver.restore(&snapshot) {
             return false;
-        };
-        *self.saved_snapshot.get_mut() = Some(snapshot);
+        }
+        *self.saved_snapshot.get_mut() = Some(Snapshot { steps: state.steps, ..snapshot });
         self.steps_done = state.steps;
         self.account.initial_energy = state.initial_energy;
         self.account = self.compute_account(self.steps_done);

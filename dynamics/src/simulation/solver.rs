@@ -1,5 +1,6 @@
 //! Choice of the solver of a solid, and the interface through which its simulation calls it.
 
+use crate::decomposition::communicator::Communicator;
 use crate::decomposition::{DecomposedDomain, ThreadStartError};
 use crate::simd::Real;
 use crate::solid::domain::SolverReal;
@@ -8,9 +9,10 @@ use crate::solid::problem::{DomainError, Problem};
 use crate::solid::reference::Reference;
 use crate::solid::snapshot::Snapshot;
 use models::solid::waves::SolidField;
+use std::sync::Arc;
 
 /// Choice of the solver of a solid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum SolverChoice {
     /// Fused solver; the number of threads is limited by the number of layers. Its ledger lacks the numerical
     /// dissipation.
@@ -18,16 +20,28 @@ pub enum SolverChoice {
         /// Maximum number of threads.
         threads: usize,
     },
+    /// Fused solver whose domain is distributed over ranks. All of them make the same simulation; its fields, records
+    /// and states for checkpoints are complete at the root and empty at the others.
+    Ranks {
+        /// Communication between the ranks.
+        communicator: Arc<dyn Communicator>,
+        /// Maximum number of threads of each rank; the same for all.
+        threads: usize,
+    },
     /// Reference solver: single-threaded, many times slower, with a full ledger.
     Reference,
 }
 
 impl SolverChoice {
-    /// Returns the number of threads used for a problem.
-    pub(super) fn thread_count<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> usize {
+    /// Returns the number of threads used for a problem, those of all ranks.
+    pub(super) fn thread_count<T: SolverReal, const D: usize>(
+        &self,
+        problem: &Problem<D>,
+    ) -> usize {
         match self {
-            Self::Fused { threads } => threads
+            Self::Fused { threads } => (*threads)
                 .clamp(1, DecomposedDomain::<T, D>::max_subdomains(problem.first_axis(), problem)),
+            Self::Ranks { communicator, threads } => communicator.size() * threads,
             Self::Reference => 1,
         }
     }
@@ -42,6 +56,9 @@ impl SolverChoice {
             Self::Fused { .. } => {
                 Box::new(DecomposedDomain::<T, D>::with_first_axis(first, problem, thread_count)?)
             }
+            Self::Ranks { communicator, threads } => Box::new(
+                DecomposedDomain::<T, D>::with_ranks(first, problem, communicator, threads)?,
+            ),
             Self::Reference => Box::new(Reference::<T, D>::with_first_axis(first, problem)?),
         })
     }

@@ -80,9 +80,9 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
-    /// Reorders one number per axis of the problem to the order of the axes of the domain.
-    pub(crate) fn permute_axis_values(&self, numbers: [usize; D]) -> [usize; D] {
-        self.axes.map(|axis| numbers[axis])
+    /// Reorders one value per axis of the problem to the order of the axes of the domain.
+    pub(crate) fn permute_axis_values<V: Copy>(&self, values: [V; D]) -> [V; D] {
+        self.axes.map(|axis| values[axis])
     }
 
     /// Returns the grid with permuted axes.

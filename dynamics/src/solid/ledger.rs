@@ -138,14 +138,42 @@ impl InterlayerSums {
     }
 }
 
-impl EnergySums {
+/// Sums of a subdomain that are added to those of others, on threads or on other ranks.
+pub(crate) trait Sums: Default {
     /// Adds the sums of another subdomain.
-    pub(crate) fn merge(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self);
+
+    /// Returns for each sum a list of numbers with the same exact sum.
+    fn to_terms(&self) -> Vec<Vec<f64>>;
+
+    /// Restores the sums from the lists that [`to_terms`](Self::to_terms) returns.
+    fn from_terms(terms: &[Vec<f64>]) -> Self;
+}
+
+/// Returns the exact sum of the list at an index; zero if there is none.
+fn sum_list(terms: &[Vec<f64>], index: usize) -> ExactSum {
+    terms.get(index).into_iter().flatten().copied().collect()
+}
+
+impl Sums for EnergySums {
+    fn merge(&mut self, other: &Self) {
         self.kinetic.merge(&other.kinetic);
         self.stored.merge(&other.stored);
         self.interlayers.merge(&other.interlayers);
     }
 
+    fn to_terms(&self) -> Vec<Vec<f64>> {
+        let all = [&self.kinetic, &self.stored].into_iter().chain(&self.interlayers.0);
+        all.map(ExactSum::to_terms).collect()
+    }
+
+    fn from_terms(terms: &[Vec<f64>]) -> Self {
+        let interlayers = InterlayerSums(std::array::from_fn(|index| sum_list(terms, 2 + index)));
+        Self { kinetic: sum_list(terms, 0), stored: sum_list(terms, 1), interlayers }
+    }
+}
+
+impl EnergySums {
     /// Converts the sums to energies, J; `volume` of a cell, m³.
     pub(crate) fn to_energy(&self, volume: f64) -> Energy {
         let [interlayer_kinetic, interlayer_stored, fluid_kinetic, fluid_stored, ..] =
@@ -174,15 +202,25 @@ pub(crate) struct WorkSums {
     pub(crate) min_dissipation_ratio: f64,
 }
 
-impl WorkSums {
-    /// Adds the sums of another subdomain.
-    pub(crate) fn merge(&mut self, other: &Self) {
+impl Sums for WorkSums {
+    fn merge(&mut self, other: &Self) {
         self.boundary_work.merge(&other.boundary_work);
         self.source_work.merge(&other.source_work);
         self.numerical_dissipation.merge(&other.numerical_dissipation);
         self.min_dissipation_ratio = self.min_dissipation_ratio.min(other.min_dissipation_ratio);
     }
 
+    fn to_terms(&self) -> Vec<Vec<f64>> {
+        self.to_partial_sums().into()
+    }
+
+    fn from_terms(terms: &[Vec<f64>]) -> Self {
+        let list = |index: usize| terms.get(index).cloned().unwrap_or_default();
+        Self::from_partial_sums(&std::array::from_fn(list))
+    }
+}
+
+impl WorkSums {
     /// Converts each sum to a few numbers of the same exact sum, for checkpoints.
     pub(crate) fn to_partial_sums(&self) -> WorkPartialSums {
         let Self { boundary_work, source_work, numerical_dissipation, min_dissipation_ratio } =
@@ -268,15 +306,29 @@ pub(crate) struct LedgerSums {
     pub(crate) interlayers: InterlayerSums,
 }
 
-impl LedgerSums {
-    /// Adds the sums of another subdomain.
-    pub(crate) fn merge(&mut self, other: &Self) {
+impl Sums for LedgerSums {
+    fn merge(&mut self, other: &Self) {
         self.work.merge(&other.work);
         let sums = self.dissipation.iter_mut().zip(&other.dissipation);
         sums.for_each(|(own, other)| own.merge(other));
         self.interlayers.merge(&other.interlayers);
     }
 
+    fn to_terms(&self) -> Vec<Vec<f64>> {
+        let others = self.dissipation.iter().chain(&self.interlayers.0);
+        self.work.to_terms().into_iter().chain(others.map(ExactSum::to_terms)).collect()
+    }
+
+    fn from_terms(terms: &[Vec<f64>]) -> Self {
+        Self {
+            work: WorkSums::from_terms(terms),
+            dissipation: std::array::from_fn(|index| sum_list(terms, 4 + index)),
+            interlayers: InterlayerSums(std::array::from_fn(|index| sum_list(terms, 7 + index))),
+        }
+    }
+}
+
+impl LedgerSums {
     /// Converts the sums to a ledger, J; `volume` of a cell, m³.
     pub(crate) fn to_ledger(&self, volume: f64) -> Ledger {
         let [plastic_dissipation, initial_stress_work, viscous_dissipation] =

@@ -556,6 +556,23 @@ pub enum DomainError {
         /// Minimum number of cells of a subdomain.
         min_cells: usize,
     },
+    /// A number of ranks into as many parts of which the grid cannot be cut.
+    #[error(
+        "{ranks} ranks for {cells} cells: a part needs the cells of its neighbour's halo along each axis that is cut; \
+         start fewer ranks"
+    )]
+    RankCount {
+        /// Number of ranks.
+        ranks: usize,
+        /// Number of cells of the grid.
+        cells: usize,
+    },
+    /// Another rank has no memory for its part of the domain.
+    #[error("rank {rank} has no memory for its part: take fewer cells, or more ranks")]
+    OtherRank {
+        /// First rank without memory.
+        rank: usize,
+    },
     /// A number of steps per step of the shear waves that is not possible, with the reason.
     #[error("number of steps per step of the shear waves: {0}")]
     ShearInterval(&'static str),

@@ -111,6 +111,22 @@ impl<const D: usize> Region<D> {
         linear_indices(&along, &self.cells())
     }
 
+    /// Returns the first cell of the region that represents a cell of the whole grid; `None` if there is none.
+    pub(crate) fn first_region_cell(&self, cell: usize) -> Option<usize> {
+        let (mut remaining_index, mut index, mut stride) = (cell, 0, 1);
+        for (axis, count) in self.cells().into_iter().enumerate() {
+            let (whole, halo) = (self.grid_cells[axis], self.halo[axis][0]);
+            let first = (self.owned[axis].start + halo * whole - halo) % whole;
+            let position = (remaining_index % whole + whole - first) % whole;
+            if position >= count {
+                return None;
+            }
+            index += position * stride;
+            (remaining_index, stride) = (remaining_index / whole, stride * count);
+        }
+        Some(index)
+    }
+
     /// Returns the faces of a boundary of the region normal to `axis` that represent a face of the whole grid: several
     /// if a periodic halo wraps around.
     pub(crate) fn region_faces(&self, axis: usize, mut face: usize) -> Vec<usize> {
@@ -184,6 +200,9 @@ mod tests {
         assert_eq!(region.global_faces(1), [2, 3, 4, 0, 1]);
         assert_eq!(region.global_faces(0), [0, 1, 2]);
         assert_eq!((region.region_cells(7), region.region_cells(1)), (vec![5], vec![4]));
+        for cell in 0..15 {
+            assert_eq!(region.first_region_cell(cell), region.region_cells(cell).first().copied());
+        }
         assert_eq!((region.region_faces(1, 0), region.region_faces(0, 2)), (vec![3], vec![2]));
         // Halo wider than the grid.
         let narrow = Region::new([2], std::array::from_fn(|_| 0..2), [[3, 4]]);

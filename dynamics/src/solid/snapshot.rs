@@ -20,3 +20,16 @@ pub struct Snapshot<T> {
     /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
     pub interlayer_history: Vec<T>,
 }
+
+/// A snapshot without fields, which belongs to no problem.
+impl<T> Default for Snapshot<T> {
+    fn default() -> Self {
+        Self {
+            steps: 0,
+            fields: Vec::new(),
+            work_sums: Default::default(),
+            cell_sums: Vec::new(),
+            interlayer_history: Vec::new(),
+        }
+    }
+}

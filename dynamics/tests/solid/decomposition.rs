@@ -23,7 +23,7 @@ pub(crate) fn two_solids() -> [Isotropic; 2] {
     solids_in_theory(Theory::Cosserat)
 }
 
-fn solids_in_theory(theory: Theory) -> [Isotropic; 2] {
+pub(crate) fn solids_in_theory(theory: Theory) -> [Isotropic; 2] {
     [1.0, 2.3].map(|factor| isotropic(theory, factor))
 }
 
@@ -37,7 +37,7 @@ fn check_decompositions<T: SolverReal, const D: usize>(
 }
 
 /// Returns a problem whose cells are of two media at random.
-fn random_problem_of_solids<const D: usize>(
+pub(crate) fn random_problem_of_solids<const D: usize>(
     [soft, stiff]: [Isotropic; 2],
     boundaries: &[[Boundary; 2]; D],
     cells: [usize; D],

@@ -22,6 +22,7 @@ mod passes;
 mod plane_waves;
 mod plastic;
 mod plastic_fronts;
+mod ranks;
 mod rayleigh;
 mod relaxation;
 mod return_mapping;

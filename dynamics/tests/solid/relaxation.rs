@@ -576,8 +576,14 @@ fn viscous_strains_belong_to_the_state() {
         let create_simulation = || {
             let start = (0..72).map(noise).collect::<Vec<_>>();
             let initial = vec![(SolidField::Velocity(0), start.clone()), (strain, start)];
-            SolidSimulation::<f64, 2>::new(problem.clone(), steps, initial, Vec::new(), choice)
-                .expect("sound")
+            SolidSimulation::<f64, 2>::new(
+                problem.clone(),
+                steps,
+                initial,
+                Vec::new(),
+                choice.clone(),
+            )
+            .expect("sound")
         };
         let mut first = create_simulation();
         assert!(first.advance(0.5 * steps.time(steps.count)).is_ok());

@@ -23,7 +23,7 @@ const BLOCK_CELLS: usize = 3;
 
 /// Builds a medium of blocks with interlayers of all kinds, face by face. Two of three faces are saturated; if
 /// `saturates_cuts`, so are all faces on the planes that halve the grid.
-fn build_problem(
+pub(crate) fn build_problem(
     random: &mut NoiseSequence,
     is_periodic: bool,
     saturates_cuts: bool,

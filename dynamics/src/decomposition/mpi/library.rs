@@ -157,7 +157,12 @@ impl MpiLibrary {
             // library, hence the global visibility.
             match unsafe { Library::open(Some(name), RTLD_NOW | RTLD_GLOBAL) } {
                 Ok(library) => return Self::from_library(library, name),
-                Err(error) => attempts.push(error.to_string()),
+                Err(error) => {
+                    // The source is the text of the loader.
+                    let cause = std::error::Error::source(&error).map(ToString::to_string);
+                    attempts
+                        .push(format!("{name} ({})", cause.unwrap_or_else(|| error.to_string())));
+                }
             }
         }
         Err(MpiError::NoLibrary { attempts })

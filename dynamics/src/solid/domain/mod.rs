@@ -201,6 +201,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.interfaces.history.fill(T::Lanes::ZERO);
     }
 
+    /// Returns the value of a field in a cell, given by its index with halo; `None` if there is no such field or cell.
+    pub(crate) fn value_with_halo(&self, field: SolidField, cell: usize) -> Option<T> {
+        let offset = self.field_offset(field)?;
+        (cell < self.layout.cells.iter().product()).then(|| self.value_at(cell, offset))
+    }
+
     /// Returns the value of a field in an owned cell; `None` if there is no such field or cell.
     pub fn value(&self, field: SolidField, cell: usize) -> Option<T> {
         let cell = (cell < self.grid.count()).then(|| self.layout.local_cell(cell))?;

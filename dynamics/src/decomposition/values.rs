@@ -1,0 +1,174 @@
+//! Values of the whole grid from those of the subdomains: fields, output, sums, and places of invalid states.
+
+use super::messages::{append_list, take_list};
+use super::threads::{SystemThreads, evaluate_each};
+use super::{DecomposedDomain, Subdomain};
+use crate::simd::Real;
+use crate::solid::domain::{Domain, SolverReal};
+use crate::solid::ledger::{Energy, EnergySums, Ledger, LedgerSums, Sums};
+use crate::solid::region::Region;
+use models::solid::waves::SolidField;
+
+impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
+    /// Returns the plastic dissipation by cell, J/m³; empty if no medium yields.
+    pub fn plastic_dissipation(&self) -> Vec<f64> {
+        self.permutation.unpermute(self.cell_sums().swap_remove(0))
+    }
+
+    /// Returns the sums stored per cell, by kind of sum (see [`Domain::cell_sums`]) and cell of the whole grid.
+    pub(super) fn cell_sums(&self) -> Vec<Vec<f64>> {
+        let by_subdomain: Vec<_> =
+            self.subdomains.iter().map(|subdomain| subdomain.domain.cell_sums()).collect();
+        let kinds = by_subdomain.first().map_or(0, Vec::len);
+        (0..kinds)
+            .map(|kind| {
+                self.assemble_grid_values(by_subdomain.iter().map(|sums| sums[kind].clone()))
+            })
+            .collect()
+    }
+
+    /// Gathers values by cell of the whole grid from those of the owned cells of all subdomains; empty if no subdomain
+    /// has values, and at ranks other than the root.
+    pub(super) fn assemble_grid_values<V: Real>(
+        &self,
+        mut by_subdomain: impl Iterator<Item = Vec<V>>,
+    ) -> Vec<V> {
+        let mut gathered = Vec::new();
+        let mut place = |region: &Region<D>, values: Vec<V>| {
+            // Any value for initialisation: all cells are overwritten.
+            let Some(first) = values.first() else { return };
+            gathered.resize(self.cells.iter().product(), *first);
+            for (cell, value) in region.owned_global_cells().into_iter().zip(values) {
+                gathered[cell] = value;
+            }
+        };
+        match &self.ranks {
+            None if self.subdomains.len() == 1 => return by_subdomain.next().unwrap_or_default(),
+            None => {
+                let regions = self.subdomains.iter().map(|subdomain| &subdomain.region);
+                regions.zip(by_subdomain).for_each(|(region, values)| place(region, values));
+            }
+            Some(ranks) => {
+                let mut own = Vec::new();
+                by_subdomain.for_each(|values| append_list(&mut own, &values));
+                ranks.communicator.gather(own, &mut |rank, message| {
+                    let mut message = message.as_slice();
+                    for region in &ranks.regions[rank] {
+                        place(region, take_list(&mut message));
+                    }
+                });
+            }
+        }
+        gathered
+    }
+
+    /// Returns work and dissipation of the steps so far, J.
+    pub fn ledger(&self) -> Ledger {
+        let mut sums = LedgerSums::default();
+        let by_subdomain = self.map_subdomains(|domain| domain.ledger_sums());
+        by_subdomain.iter().for_each(|own| sums.merge(own));
+        self.add_ranks(sums).to_ledger(self.cell_volume())
+    }
+
+    /// Returns the energy of the deviation from the initial stress, J.
+    pub fn energy(&self) -> Energy {
+        let mut sums = EnergySums::default();
+        let by_subdomain = self.map_subdomains(|domain| domain.energy_sums());
+        by_subdomain.iter().for_each(|own| sums.merge(own));
+        self.add_ranks(sums).to_energy(self.cell_volume())
+    }
+
+    /// Adds the sums of all ranks.
+    pub(super) fn add_ranks<S: Sums>(&self, own: S) -> S {
+        match &self.ranks {
+            None => own,
+            Some(ranks) => ranks.add_up(&own),
+        }
+    }
+
+    /// Returns the volume of a cell, m³.
+    fn cell_volume(&self) -> f64 {
+        self.subdomains.first().map_or(0.0, |subdomain| subdomain.domain.grid().volume())
+    }
+
+    /// Calls `evaluate` for each subdomain: a single one on the calling thread, several on a thread each if it starts.
+    fn map_subdomains<V: Send>(&self, evaluate: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
+        if let [subdomain] = self.subdomains.as_slice() {
+            return vec![evaluate(&subdomain.domain)];
+        }
+        let domains = self.subdomains.iter().map(|subdomain| &subdomain.domain);
+        evaluate_each(&mut SystemThreads, domains, evaluate)
+    }
+
+    /// Returns field and cell of a non-finite value (for interlayers, the cell above the face); `None` if all are
+    /// finite. Each subdomain reports its first one; that with the lowest cell in the order of permuted axes is
+    /// returned.
+    pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
+        let locate = |subdomain: &Subdomain<T, D>| {
+            let (field, cell) = subdomain.domain.first_non_finite()?;
+            let field = self.fields().iter().position(|own| *own == field)?;
+            Some([subdomain.region.owned_global_cell(cell), field])
+        };
+        let [cell, field] = self.find_least(locate)?;
+        Some((self.fields()[field], self.permutation.original_cell(cell)))
+    }
+
+    /// Returns the smallest of the pairs that `locate` returns for the subdomains of all ranks.
+    fn find_least(
+        &self,
+        locate: impl Fn(&Subdomain<T, D>) -> Option<[usize; 2]>,
+    ) -> Option<[usize; 2]> {
+        let own = self.subdomains.iter().filter_map(locate).min();
+        match &self.ranks {
+            None => own,
+            Some(ranks) => ranks.find_least(own),
+        }
+    }
+
+    /// Returns the first cell, in the order of permuted axes, whose stress is outside its yield set; `None` if there is
+    /// none.
+    pub fn first_cell_outside_yield_set(&self) -> Option<usize> {
+        let locate = |subdomain: &Subdomain<T, D>| {
+            let cell = subdomain.domain.first_cell_outside_yield_set()?;
+            Some([subdomain.region.owned_global_cell(cell), 0])
+        };
+        self.find_least(locate).map(|[cell, _]| self.permutation.original_cell(cell))
+    }
+
+    /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
+    pub fn output_values(&self) -> Vec<Vec<f64>> {
+        let evaluate_output = |domain: &Domain<T, D>| {
+            let mut fields = vec![Vec::new(); self.quantity_count()];
+            let (boundaries, mut state) = (domain.closing_boundaries(), Vec::new());
+            for cell in 0..domain.grid().count() {
+                state.clear();
+                domain.output_cell_with(cell, boundaries.as_ref(), &mut state);
+                for (values, value) in fields.iter_mut().zip(&state) {
+                    values.push(*value);
+                }
+            }
+            fields
+        };
+        let mut by_subdomain: Vec<_> =
+            self.subdomains.iter().map(|subdomain| evaluate_output(&subdomain.domain)).collect();
+        let fields = 0..self.quantity_count();
+        let gathered = fields.map(|field| {
+            let parts = by_subdomain.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
+            self.permutation.unpermute(self.assemble_grid_values(parts))
+        });
+        gathered.collect()
+    }
+
+    /// Returns the stored values of a field (first axis fastest), without the completion of the step that output
+    /// applies for alternating sweeps; `None` if there is no such field.
+    pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
+        self.permuted_values(field).map(|values| self.permutation.unpermute(values))
+    }
+
+    /// Returns the stored values of a field by cell of the whole grid, with permuted axes.
+    pub(super) fn permuted_values(&self, field: SolidField) -> Option<Vec<T>> {
+        let by_subdomain = self.subdomains.iter().map(|subdomain| subdomain.domain.values(field));
+        let by_subdomain = by_subdomain.collect::<Option<Vec<_>>>()?;
+        Some(self.assemble_grid_values(by_subdomain.into_iter()))
+    }
+}
