@@ -9,17 +9,19 @@ mod usage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use dynamics::decomposition::communicator::Communicator;
 use models::interface::continuum::OpeningLimit;
 use models::registry;
 use picture_arguments::PictureArguments;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use wellposed::VERSION;
 use wellposed::case::{ContinuumOptions, MediumKind, ModelKind, YieldSetKind};
 use wellposed::cli::new::{self, TemplateKind};
 use wellposed::cli::{
-    self, CheckpointSettings, CommandError, Options, OutputFormat, cases, signals,
+    self, CheckpointSettings, CommandError, Options, OutputFormat, cases, ranks, signals,
 };
 use wellposed::study::MapOptions;
 
@@ -345,6 +347,7 @@ impl From<CaseArguments> for Options {
 }
 
 fn main() -> ExitCode {
+    signals::set_silence(ranks::is_silent());
     signals::install_signal_handlers();
     let command = help::add_examples(CommandLine::command());
     let line = command.try_get_matches().and_then(|own| CommandLine::from_arg_matches(&own));
@@ -360,7 +363,9 @@ fn main() -> ExitCode {
     match execute_verb(verb) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            if error.exit_code() != 0 {
+            if error.exit_code() != 0 && ranks::is_silent() {
+                ranks::wait_for_root_message();
+            } else if error.exit_code() != 0 {
                 // A closed standard error is ignored.
                 let _ = match format {
                     OutputFormat::Text => writeln!(std::io::stderr(), "error: {error}"),
@@ -374,6 +379,10 @@ fn main() -> ExitCode {
 
 /// Prints the usage error, with exit code 2, or the requested help or version, with exit code 0.
 fn report_usage_error(error: &clap::Error) -> ExitCode {
+    if ranks::is_silent() {
+        ranks::wait_for_root_message();
+        return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+    }
     let arguments: Vec<String> = std::env::args_os()
         .skip(1)
         .map(|argument| argument.to_string_lossy().into_owned())
@@ -417,8 +426,21 @@ impl Verb {
     }
 }
 
+/// Makes a verb on several ranks, and ends the communication between them.
+fn end_ranks(
+    communicator: &Arc<dyn Communicator>,
+    verb: impl FnOnce(&Arc<dyn Communicator>) -> Result<(), CommandError>,
+) -> Result<(), CommandError> {
+    let result = verb(communicator);
+    communicator.finish();
+    result
+}
+
 fn execute_verb(verb: Verb) -> Result<(), CommandError> {
     let mut stdout = std::io::stdout().lock();
+    if !matches!(verb, Verb::Run { .. } | Verb::Resume { .. }) {
+        ranks::require_single_process()?;
+    }
     match verb {
         Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {
             let map_options = MapOptions { computes_bound, computes_growth_rate, is_model_blind };
@@ -458,11 +480,13 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         Verb::Shocks { arguments } => cli::run_shocks(&arguments.into(), &mut stdout)?,
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };
-            cli::run_simulation(
-                &options,
-                CheckpointSettings { interval: checkpoint_interval },
-                &mut stdout,
-            )?;
+            let settings = CheckpointSettings { interval: checkpoint_interval };
+            match ranks::start_ranks()? {
+                None => cli::run_simulation(&options, settings, &mut stdout)?,
+                Some(communicator) => end_ranks(&communicator, |ranks| {
+                    ranks::run_simulation_on_ranks(&options, settings, ranks, &mut stdout)
+                })?,
+            }
         }
         Verb::Check { arguments, only_disagreeing } => {
             let options = Options { only_disagreeing, ..arguments.into() };
@@ -481,15 +505,15 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         }
         Verb::Resume { folder, threads, checkpoint_interval, format, pictures } => {
             let threads = threads.map(usize::from);
-            let checkpoint_settings = CheckpointSettings { interval: checkpoint_interval };
-            cli::resume(
-                &folder,
-                threads,
-                checkpoint_settings,
-                format.into(),
-                &pictures.into(),
-                &mut stdout,
-            )?;
+            let settings = CheckpointSettings { interval: checkpoint_interval };
+            let (format, pictures) = (format.into(), pictures.into());
+            match ranks::start_ranks()? {
+                None => cli::resume(&folder, threads, settings, format, &pictures, &mut stdout)?,
+                Some(communicator) => end_ranks(&communicator, |ranks| {
+                    let form = (format, &pictures);
+                    ranks::resume_on_ranks(&folder, threads, settings, ranks, form, &mut stdout)
+                })?,
+            }
         }
         Verb::Plot { folder, pictures } => cli::plot(&folder, &pictures.into(), &mut stdout)?,
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,

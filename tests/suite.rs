@@ -88,6 +88,8 @@ mod polar_grids;
 mod profiles;
 #[path = "ranges.rs"]
 mod ranges;
+#[path = "ranks.rs"]
+mod ranks;
 #[path = "receivers.rs"]
 mod receivers;
 #[path = "references.rs"]

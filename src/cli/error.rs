@@ -1,6 +1,7 @@
 //! Errors of the command line verbs, with the exit code and the JSON object of each.
 
 use super::folder::OutputError;
+use super::ranks::RankError;
 use crate::case::{CaseError, SourcePosition, YieldSetError};
 use crate::report::SCHEMA_VERSION;
 use crate::study::simulate::{IllPosedness, StopReport};
@@ -120,6 +121,9 @@ pub enum CommandError {
         /// Results folder.
         folder: String,
     },
+    /// The program was started in several processes, and cannot work in them together.
+    #[error(transparent)]
+    Ranks(#[from] RankError),
     /// Standard output cannot be written.
     #[error("standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -137,6 +141,7 @@ impl CommandError {
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } | Self::InterruptedStudy => {
                 INTERRUPTED_CODE
             }
+            Self::Ranks(RankError::Ended { exit_code }) => *exit_code,
             _ => 2,
         }
     }
@@ -192,6 +197,7 @@ impl CommandError {
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } | Self::InterruptedStudy => {
                 "interrupted"
             }
+            Self::Ranks(_) => "ranks",
             Self::ThreadStart(_)
             | Self::StepThreadStart { .. }
             | Self::Study(crate::Error::Threads(_)) => "threads",

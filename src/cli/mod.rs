@@ -16,6 +16,7 @@ mod options;
 mod plot;
 mod point;
 pub mod progress;
+pub mod ranks;
 mod resume;
 mod run;
 mod shocks;

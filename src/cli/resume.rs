@@ -24,23 +24,34 @@ pub fn resume(
     pictures: &PictureOptions,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    let UnfinishedRun { folder, case, run_lock: lock } = ResultFolder::open_unfinished_run(path)?;
-    print_hints(&case);
+    let (UnfinishedRun { folder, case, run_lock: lock }, found) = prepare_resumed_run(path)?;
     let job = create_job(&case)?;
-    let plan = job.plan(false)?;
-    let found = Checkpoint::read(&folder)?;
-    let duration = match case.time_domain_run()? {
-        TimeDomainRun::Solid(solid_run) => solid_run.time.duration,
-        TimeDomainRun::Flow(flow) => flow.time.duration,
-    };
-    let start = found.as_ref().map_or(0.0, |found| found.solver_state.time);
-    let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
     let run = RunContext {
         case: &case,
         folder: &folder,
         checkpoint_settings,
         thread_count: threads,
         pictures,
+        communicator: None,
     };
     execute_run(&run, &*job, found, Some(lock), format, stdout)
+}
+
+/// Opens the folder of an unfinished run, checks the memory, and prints the plan; returns the last checkpoint as well,
+/// if there is one.
+pub(super) fn prepare_resumed_run(
+    path: &Path,
+) -> Result<(UnfinishedRun, Option<Checkpoint>), CommandError> {
+    let unfinished = ResultFolder::open_unfinished_run(path)?;
+    let UnfinishedRun { folder, case, .. } = &unfinished;
+    print_hints(case);
+    let plan = create_job(case)?.plan(false)?;
+    let found = Checkpoint::read(folder)?;
+    let duration = match case.time_domain_run()? {
+        TimeDomainRun::Solid(solid_run) => solid_run.time.duration,
+        TimeDomainRun::Flow(flow) => flow.time.duration,
+    };
+    let start = found.as_ref().map_or(0.0, |found| found.solver_state.time);
+    let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
+    Ok((unfinished, found))
 }

@@ -24,13 +24,16 @@ use super::write::{
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
 use crate::cli::options::{check_thread_start, create_thread_pool};
+use crate::cli::ranks::{RankRecorder, require_all_ranks};
 use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::{PictureOptions, RenderedReport};
 use crate::study::decide_solid_verdict;
 use crate::study::simulate::{SimulationJob, create_job};
+use dynamics::decomposition::communicator::Communicator;
 use files::lock::Lock;
 use recorder::FileRecorder;
 use std::io::Write;
+use std::sync::Arc;
 
 /// Default of the smallest wall time between two checkpoints, s.
 pub const DEFAULT_CHECKPOINT_INTERVAL: f64 = 300.0;
@@ -54,6 +57,19 @@ pub fn run_simulation(
     checkpoint_settings: CheckpointSettings,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
+    match prepare_run(options, stdout)? {
+        Some((case, folder)) => {
+            execute_prepared_run(options, (&case, &folder), checkpoint_settings, None, stdout)
+        }
+        None => Ok(()),
+    }
+}
+
+/// Checks the case of a run and its results folder, and prints plan and warnings; `None` if that is all, by `--dry-run`.
+pub(super) fn prepare_run(
+    options: &Options,
+    stdout: &mut dyn Write,
+) -> Result<Option<(Case, ResultFolder)>, CommandError> {
     let case = Case::load_simulation(&options.case_path, &options.settings)?;
     print_hints(&case);
     let job = create_job(&case)?;
@@ -78,7 +94,8 @@ pub fn run_simulation(
             &planned_files::list_planned_file_names(&case, &options.pictures)?,
             &options.pictures,
         );
-        return print_plan(&plan, &paths, estimate, options.format, stdout);
+        print_plan(&plan, &paths, estimate, options.format, stdout)?;
+        return Ok(None);
     }
     // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");
@@ -93,12 +110,27 @@ pub fn run_simulation(
         Some(found) => drop(writeln!(std::io::stderr(), "warning: {found}")),
         None => {}
     }
+    drop(job);
+    Ok(Some((case, folder)))
+}
+
+/// Computes a run from its beginning and writes all results. With several ranks, which `communicator` connects, the
+/// others take part.
+pub(super) fn execute_prepared_run(
+    options: &Options,
+    (case, folder): (&Case, &ResultFolder),
+    checkpoint_settings: CheckpointSettings,
+    communicator: Option<&Arc<dyn Communicator>>,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let job = create_job(case)?;
     let run = RunContext {
-        case: &case,
-        folder: &folder,
+        case,
+        folder,
         checkpoint_settings,
         thread_count: options.thread_count,
         pictures: &options.pictures,
+        communicator,
     };
     execute_run(&run, &*job, None, None, options.format, stdout)
 }
@@ -110,6 +142,8 @@ pub(super) struct RunContext<'a> {
     pub(super) checkpoint_settings: CheckpointSettings,
     pub(super) thread_count: Option<usize>,
     pub(super) pictures: &'a PictureOptions,
+    /// Communication between several ranks.
+    pub(super) communicator: Option<&'a Arc<dyn Communicator>>,
 }
 
 /// Computes a run from its beginning or from `checkpoint` and writes all results. `lock` is the run lock of a resumed
@@ -124,10 +158,22 @@ pub(super) fn execute_run(
 ) -> Result<(), CommandError> {
     signals::install_signal_handlers();
     let _stage = signals::set_stage_until_drop(ProgramStage::TimeStepping);
+    let is_resumed = checkpoint.is_some();
     let mut recorder = FileRecorder::new(run, checkpoint, lock);
-    let pool = create_thread_pool(run.thread_count)?;
-    check_thread_start(pool.current_num_threads())?;
-    let result = pool.install(|| job.execute(&mut recorder)).map_err(|error| {
+    let pool = create_thread_pool(run.thread_count)
+        .and_then(|pool| check_thread_start(pool.current_num_threads()).map(|()| pool));
+    if let Some(communicator) = run.communicator {
+        require_all_ranks(&**communicator, pool.is_ok())?;
+    }
+    let pool = pool?;
+    let result = match run.communicator {
+        None => pool.install(|| job.execute(&mut recorder)),
+        Some(communicator) => {
+            let mut recorder = RankRecorder::new(communicator, Some(&mut recorder), is_resumed);
+            pool.install(|| job.execute(&mut recorder))
+        }
+    };
+    let result = result.map_err(|error| {
         CommandError::from_run_error(error, &run.folder.path().display().to_string())
     })?;
     for warning in result.warnings() {

@@ -39,6 +39,14 @@ pub fn set_error_format(format: OutputFormat) {
     PRINTS_JSON_ERRORS.store(format == OutputFormat::Json, Ordering::Relaxed);
 }
 
+/// Whether nothing is printed, since another rank prints.
+static IS_SILENT: AtomicBool = AtomicBool::new(false);
+
+/// Sets whether an interrupt prints nothing.
+pub fn set_silence(is_silent: bool) {
+    IS_SILENT.store(is_silent, Ordering::Relaxed);
+}
+
 /// Sets the stage of the program, which determines the effect of the next interrupt.
 pub(super) fn set_stage(stage: ProgramStage) {
     PROGRAM_STAGE.store(stage as u8, Ordering::Relaxed);
@@ -88,7 +96,8 @@ fn handle_interrupt() {
         _ if stage == ProgramStage::WritingResults as u8 => "all steps are done, writing results",
         _ => {
             let error = CommandError::InterruptedStudy;
-            match PRINTS_JSON_ERRORS.load(Ordering::Relaxed) {
+            let prints_json = PRINTS_JSON_ERRORS.load(Ordering::Relaxed);
+            match prints_json && !IS_SILENT.load(Ordering::Relaxed) {
                 true => drop(writeln!(std::io::stderr(), "{}", error.to_json())),
                 false => print_message(&format!("error: {error}")),
             }
@@ -117,6 +126,9 @@ fn handle_interrupt() {
 /// Prints a message on a new line, since on a terminal the progress bar occupies the current one. A closed standard
 /// error is ignored.
 fn print_message(text: &str) {
+    if IS_SILENT.load(Ordering::Relaxed) {
+        return;
+    }
     let mut stderr = std::io::stderr();
     let start = if stderr.is_terminal() { "\n" } else { "" };
     let _ = writeln!(stderr, "{start}{text}");

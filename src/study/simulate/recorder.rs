@@ -3,7 +3,9 @@
 use super::{OutputFields, RunRecords, quantity_unit};
 use crate::Error;
 use crate::case::Case;
+use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::{RegularTimes, SimulationState};
+use std::sync::Arc;
 
 /// Kind of a table to which a simulation appends rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +102,12 @@ pub enum StepStatistics {
 
 /// Recorder of the output of a simulation. An error returned by any method ends the run.
 pub trait Recorder: Send {
+    /// Returns the communication between the ranks that make the simulation together; `None` if this process makes it
+    /// alone. Each rank has a recorder; only that of the root receives records and complete fields.
+    fn communicator(&self) -> Option<Arc<dyn Communicator>> {
+        None
+    }
+
     /// Returns whether the run resumes from a saved state.
     fn is_resumed(&self) -> bool {
         false

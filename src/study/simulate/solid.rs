@@ -24,6 +24,7 @@ use crate::setup::solid_run::{
 };
 use crate::study::decide_solid_verdict;
 use dynamics::SolverReal;
+use dynamics::decomposition::communicator::Communicator;
 use dynamics::domain::memory_bytes;
 use dynamics::medium::Medium;
 use dynamics::simulation::{
@@ -31,6 +32,7 @@ use dynamics::simulation::{
     TimeSteps,
 };
 use models::common::decimal::ToPlainText;
+use std::sync::Arc;
 
 /// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
@@ -362,7 +364,7 @@ impl SolidJob<'_> {
         recorder: &mut dyn Recorder,
     ) -> Result<RunResult, Error> {
         let solid_run = self.solid_run;
-        let simulation = self.create_simulation::<T, D>()?;
+        let simulation = self.create_simulation::<T, D>(recorder.communicator())?;
         if let (false, Some(cell)) =
             (recorder.is_resumed(), simulation.first_cell_outside_yield_set())
         {
@@ -380,9 +382,10 @@ impl SolidJob<'_> {
         Ok(self.create_result(steps, found))
     }
 
-    /// Creates the solver with the initial state of the case.
+    /// Creates the solver with the initial state of the case; with several ranks, its part of this one.
     fn create_simulation<T: SolverReal, const D: usize>(
         &self,
+        communicator: Option<Arc<dyn Communicator>>,
     ) -> Result<SolidSimulation<T, D>, Error> {
         let solid_run = self.solid_run;
         let SolidSetup { problem, time_steps, initial_fields } =
@@ -390,9 +393,13 @@ impl SolidJob<'_> {
         let of_cell = &problem.cell_media;
         let probes =
             solid_run.receivers.iter().map(|own| create_probe(solid_run, of_cell, own)).collect();
-        let solver = match solid_run.scheme.ledger_detail {
-            LedgerDetail::Totals => SolverChoice::Fused { threads: rayon::current_num_threads() },
-            LedgerDetail::TotalsAndDissipation => SolverChoice::Reference,
+        let threads = rayon::current_num_threads();
+        let solver = match (solid_run.scheme.ledger_detail, communicator) {
+            (LedgerDetail::TotalsAndDissipation, _) => SolverChoice::Reference,
+            (LedgerDetail::Totals, Some(communicator)) if communicator.size() > 1 => {
+                SolverChoice::Ranks { communicator, threads }
+            }
+            (LedgerDetail::Totals, _) => SolverChoice::Fused { threads },
         };
         let simulation = SolidSimulation::new(problem, time_steps, initial_fields, probes, solver);
         Ok(simulation.map_err(|error| {
@@ -513,8 +520,11 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         let named = self.quantity_names.iter().zip(fields.values);
         let mut quantities: Vec<FieldQuantity> =
             named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect();
-        quantities.extend(porosity(simulation.problem(), &quantities));
-        add_volumetric_strain(simulation.problem(), &mut quantities);
+        // Of several ranks only the root has values.
+        if quantities.iter().any(|own| !own.values.is_empty()) {
+            quantities.extend(porosity(simulation.problem(), &quantities));
+            add_volumetric_strain(simulation.problem(), &mut quantities);
+        }
         OutputFields {
             time,
             coordinates: (0..grid.dimensions()).map(middles).collect(),

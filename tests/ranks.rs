@@ -1,0 +1,266 @@
+//! Runs on several ranks under the MPI launchers of this machine: the files are those of one process, and what cannot
+//! run in several processes ends with one message and exit code 2.
+//!
+//! Launchers that are looked for: `mpirun.openmpi` and `mpirun.mpich` (Debian), else `mpirun`; and `bin/mpiexec` with
+//! `lib/libmpi_abi.so.1` in the folder that the environment variable `MPI_ABI_FOLDER` names.
+#![cfg(target_os = "linux")]
+
+use crate::program::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const TEST_FOLDER: &str = "ranks";
+
+/// Longest time until a launcher notices that a rank has died, or that all have ended.
+const END_TIMEOUT: Duration = Duration::from_secs(300);
+
+/// MPI launcher of this machine.
+#[derive(Clone, Debug)]
+struct Launcher {
+    program: PathBuf,
+    /// File of the MPI library, if it is not where the system looks for libraries.
+    library: Option<PathBuf>,
+    is_open_mpi: bool,
+}
+
+impl Launcher {
+    /// Finds the launchers of this machine, and says what there is not.
+    fn find_all() -> Vec<Self> {
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let find = |name: &str| {
+            std::env::split_paths(&path).map(|own| own.join(name)).find(|own| own.is_file())
+        };
+        let launcher = |program: PathBuf, library| {
+            let version = Command::new(&program).arg("--version").output().ok()?;
+            let version = String::from_utf8_lossy(&version.stdout).into_owned();
+            let is_open_mpi = ["Open MPI", "OpenRTE"].iter().any(|own| version.contains(own));
+            Some(Self { program, library, is_open_mpi })
+        };
+        let debian = ["mpirun.openmpi", "mpirun.mpich"].into_iter().filter_map(find);
+        let mut programs: Vec<_> = debian.collect();
+        if programs.is_empty() {
+            programs.extend(find("mpirun"));
+        }
+        let mut launchers: Vec<_> =
+            programs.into_iter().filter_map(|program| launcher(program, None)).collect();
+        if let Some(folder) = std::env::var_os("MPI_ABI_FOLDER").map(PathBuf::from) {
+            let library = folder.join("lib/libmpi_abi.so.1");
+            launchers.extend(launcher(folder.join("bin/mpiexec"), Some(library)));
+        }
+        for family in ["Open MPI", "MPICH", "the standard interface"] {
+            let is_found = launchers.iter().any(|own| match family {
+                "Open MPI" => own.is_open_mpi,
+                "MPICH" => !own.is_open_mpi && own.library.is_none(),
+                _ => own.library.is_some(),
+            });
+            if !is_found {
+                println!("skipped: no launcher of {family}");
+            }
+        }
+        launchers
+    }
+
+    /// Creates a command that starts `ranks` processes of the program in a folder, with one thread each.
+    fn create_command(&self, folder: &Path, ranks: usize, arguments: &str) -> Command {
+        let mut command = Command::new(&self.program);
+        if self.is_open_mpi {
+            command.args(["--allow-run-as-root", "--oversubscribe", "--bind-to", "none"]);
+            // Ranks that wait leave the cores to others.
+            command.env("OMPI_MCA_mpi_yield_when_idle", "1");
+        }
+        if let Some(library) = &self.library {
+            command.env("WELLPOSED_MPI", library);
+        }
+        let count = ranks.to_string();
+        command.args(["-n", &count, PROGRAM_PATH]).args(arguments.split_whitespace());
+        command.current_dir(folder).env("RAYON_NUM_THREADS", "1").stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn run(&self, folder: &Path, ranks: usize, arguments: &str) -> Output {
+        wait_for_end(self.create_command(folder, ranks, arguments).spawn().unwrap())
+    }
+
+    /// Runs the program, which must end with `code`; returns standard output and the errors that it printed.
+    fn run_with_exit_code(
+        &self,
+        code: i32,
+        folder: &Path,
+        ranks: usize,
+        arguments: &str,
+    ) -> (String, Vec<String>) {
+        check_output(code, self.run(folder, ranks, arguments), arguments)
+    }
+}
+
+fn check_output(code: i32, output: Output, arguments: &str) -> (String, Vec<String>) {
+    let [stdout, stderr] =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    assert_eq!(output.status.code(), Some(code), "{arguments}\n{stdout}\n{stderr}");
+    let errors = stderr.lines().filter(|line| line.starts_with("error: "));
+    (stdout, errors.map(str::to_owned).collect())
+}
+
+/// Waits for the end of a process; kills it after [`END_TIMEOUT`].
+fn wait_for_end(child: Child) -> Output {
+    let (id, start) = (child.id(), Instant::now());
+    let (end, ended) = std::sync::mpsc::channel::<()>();
+    let watch = std::thread::spawn(move || {
+        if ended.recv_timeout(END_TIMEOUT) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").args(["-KILL", &id.to_string()]).status();
+        }
+    });
+    let output = child.wait_with_output().unwrap();
+    drop(end);
+    watch.join().unwrap();
+    assert!(start.elapsed() < END_TIMEOUT, "no end: {output:?}");
+    output
+}
+
+/// Options of runs whose pictures are not compared: rank 0 draws them from the files that are.
+const WITHOUT_PICTURES: &str = "--pictures none --animations none";
+
+/// Returns the yielding solid without the numerical dissipation in its ledger, which takes one process.
+fn solid_case() -> String {
+    SOLID_CASE.replace("ledger = 'full'", "ledger = 'light'")
+}
+
+/// Yielding Cosserat solid in space.
+const SPACE_CASE: &str = include_str!("data/program-space.toml");
+
+#[test]
+fn results_on_ranks_are_those_of_one_process() {
+    let launchers = Launcher::find_all();
+    let cases = [
+        ("solid", solid_case().replace("duration = 0.15", "duration = 0.04"), "--animations none"),
+        ("joints", JOINT_CASE.replace("duration = 6e-4", "duration = 2e-4"), WITHOUT_PICTURES),
+        ("space", SPACE_CASE.to_owned(), WITHOUT_PICTURES),
+    ];
+    for (case_index, (name, text, options)) in cases.into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, name, &text);
+        let (expected_output, _) = run_with_exit_code(
+            0,
+            &folder,
+            &format!("run case.toml --out one --threads 2 {options}"),
+        );
+        let expected = read_result_files(&folder.join("one"));
+        for (index, launcher) in launchers.iter().enumerate() {
+            // Each launcher has all numbers of ranks over the cases.
+            let ranks = [2, 3, 4][(case_index + index) % 3];
+            let arguments = format!("run case.toml --out out{index} {options}");
+            let (stdout, errors) = launcher.run_with_exit_code(0, &folder, ranks, &arguments);
+            assert!(errors.is_empty(), "{errors:?}");
+            assert_eq!(stdout.replace(&format!("out{index}"), "one"), expected_output);
+            let found = read_result_files(&folder.join(format!("out{index}")));
+            assert!(found.keys().eq(expected.keys()), "{launcher:?}");
+            for (file, bytes) in found {
+                assert!(bytes == expected[&file], "{launcher:?}, {ranks} ranks: {file}");
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_set_ups_end_with_one_message() {
+    for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, &format!("wrong{index}"), &solid_case());
+        let check = |launcher: &Launcher, ranks: usize, arguments: &str, part: &str| {
+            let (stdout, errors) = launcher.run_with_exit_code(2, &folder, ranks, arguments);
+            assert_eq!((stdout.as_str(), errors.len()), ("", 1), "{errors:?}");
+            assert!(errors[0].contains(part), "{arguments}: {errors:?}");
+        };
+        let missing = PathBuf::from("/nowhere/libmpi.so");
+        let without_library = Launcher { library: Some(missing), ..launcher.clone() };
+        check(
+            &without_library,
+            2,
+            "run case.toml",
+            "no MPI library can be loaded; tried: /nowhere",
+        );
+        check(
+            &launcher,
+            2,
+            "point case.toml",
+            "works in one process, and the launcher has started 2",
+        );
+        check(&launcher, 2, "run absent.toml", "absent.toml");
+        check(&launcher, 2, "run --no-such-option", "--no-such-option");
+        let full = "run case.toml --set scheme.ledger=\"full\"";
+        check(&launcher, 2, full, "numerical dissipation in its ledger runs in one process");
+        check(
+            &launcher,
+            4,
+            "run case.toml --set grid.cells=[6,6] --set load=[] --set receiver=[]",
+            "ranks for",
+        );
+        // Another case or none at rank 1.
+        fs::write(folder.join("other.toml"), solid_case().replace("1900", "1901")).unwrap();
+        for (other, part) in
+            [("other.toml", "rank 1 has another case"), ("absent.toml", "rank 1: absent.toml")]
+        {
+            let mut command = launcher.create_command(&folder, 1, "run case.toml");
+            command.args([":", "-n", "1", PROGRAM_PATH, "run", other]);
+            let output = wait_for_end(command.spawn().unwrap());
+            let (_, errors) = check_output(2, output, other);
+            assert!(errors.len() == 1 && errors[0].contains(part), "{errors:?}");
+        }
+        assert!(!folder.join("out").exists());
+    }
+}
+
+/// Returns the processes of the program in a folder.
+fn find_processes(folder: &Path) -> Vec<u32> {
+    let process = |entry: fs::DirEntry| {
+        let path = entry.path();
+        let id = entry.file_name().to_str()?.parse().ok()?;
+        let is_own = fs::read_link(path.join("exe")).ok()? == Path::new(PROGRAM_PATH)
+            && fs::read_link(path.join("cwd")).ok()? == folder;
+        is_own.then_some(id)
+    };
+    fs::read_dir("/proc").unwrap().filter_map(Result::ok).filter_map(process).collect()
+}
+
+#[test]
+fn a_killed_rank_ends_the_others_and_the_run_resumes() {
+    let Some(expected) = Launcher::find_all().first().map(|_| {
+        let folder = create_case_folder(TEST_FOLDER, "whole", &solid_case());
+        run_with_exit_code(
+            0,
+            &folder,
+            &format!("run case.toml --threads 1 {WITHOUT_PICTURES} --out out"),
+        );
+        read_result_files(&folder.join("out"))
+    }) else {
+        return;
+    };
+    for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, &format!("killed{index}"), &solid_case());
+        let arguments = format!("run case.toml --out out --checkpoint-every 0 {WITHOUT_PICTURES}");
+        let mut command = launcher.create_command(&folder, 3, &arguments);
+        // Messages of the launcher must not fill a pipe.
+        let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        wait_for_file(&folder.join("out/snapshot-00000003.vti"));
+        let processes = find_processes(&fs::canonicalize(&folder).unwrap());
+        assert_eq!(processes.len(), 3);
+        let killed = processes[index % 3].to_string();
+        assert!(Command::new("kill").args(["-KILL", &killed]).status().unwrap().success());
+        let output = wait_for_end(child);
+        assert!(!output.status.success());
+        assert!(find_processes(&fs::canonicalize(&folder).unwrap()).is_empty());
+        // Another number of ranks, or one process.
+        match index {
+            0 => {
+                let arguments = format!("resume out --threads 2 {WITHOUT_PICTURES}");
+                drop(run_with_exit_code(0, &folder, &arguments));
+            }
+            _ => {
+                let arguments = format!("resume out {WITHOUT_PICTURES}");
+                drop(launcher.run_with_exit_code(0, &folder, 2, &arguments));
+            }
+        }
+        assert!(read_result_files(&folder.join("out")) == expected, "{launcher:?}");
+    }
+}
