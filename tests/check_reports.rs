@@ -83,3 +83,20 @@ fn disagreeing_cases_of_a_folder_are_listed() {
     let (none, _) = run_with_exit_code(0, &here, "check . --disagreeing");
     assert_eq!(none, "");
 }
+
+/// A case of a folder that cannot be read is listed with its fault; the others are checked, and the exit code is 2.
+#[test]
+fn unreadable_cases_of_a_folder_are_listed() {
+    let here = create_folder(TEST_FOLDER, "unreadable");
+    fs::create_dir(here.join("all")).unwrap();
+    fs::write(here.join("all/broken.toml"), "title = 'a'\n[model").unwrap();
+    fs::copy(bundled_case("equations/heat.toml"), here.join("all/heat.toml")).unwrap();
+    let (text, error) = run_with_exit_code(2, &here, "check all");
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].contains("CANNOT BE READ: all/broken.toml:2: "), "{text}");
+    assert!(lines[1].starts_with("all/heat.toml ") && lines[1].ends_with("agrees"), "{text}");
+    assert!(error.contains("1 of 2 cases cannot be read"), "{error}");
+    // A fault of a setting concerns all cases.
+    let (text, error) = run_with_exit_code(2, &here, "check all --set check.numbers=x");
+    assert!(!text.contains("heat.toml") && error.contains("check.numbers"), "{text} {error}");
+}

@@ -461,3 +461,41 @@ fn dry_run_writes_nothing() {
     assert!(text.contains("30 × 24 cells of 6 fields") && text.contains("run.png"), "{text}");
     assert!(!folder.path().join("out").exists());
 }
+
+/// A pressure of 400 times λ + 2μ at the end of a column gives a strain of about 400: the report says so.
+#[test]
+fn large_strains_are_reported() {
+    let case = |pressure: f64| {
+        format!(
+            "{CLASSICAL_MODEL}
+[grid]
+cells = [40, 1]
+spacing = 1
+[time]
+duration = 0.04
+[[boundary]]
+side = 'x2-'
+kind = 'periodic'
+[[boundary]]
+side = 'x2+'
+kind = 'periodic'
+[[load]]
+side = 'x1-'
+field = 'sigma11'
+amplitude = -{pressure}
+time = {{ kind = 'pulse', duration = 0.08 }}
+"
+        )
+    };
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let text = run_in_folder(folder.path(), &case(400.0 * 2.8e8)).expect("a run");
+    let report = fs::read_to_string(folder.path().join("out/run.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    // The stress of a plane wave is at most the load: a strain −p/(λ + 2μ).
+    let strain = report["large_strain"].as_f64().expect("a large strain");
+    assert!((200.0..=440.0).contains(&strain), "{strain}");
+    assert!(text.contains("warning: strains of about "), "{text}");
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let text = run_in_folder(folder.path(), &case(2.8e5)).expect("a run");
+    assert!(!text.contains("warning"), "{text}");
+}
