@@ -1,7 +1,7 @@
 //! Errors of the command line in one line: argument, value found, values allowed.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Command, CommandFactory, Error};
+use clap::{Arg, Command, CommandFactory, Error};
 use std::error::Error as _;
 use wellposed::case::find_similar_name;
 use wellposed::cli::UsageError;
@@ -38,7 +38,7 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
                 value => format!("found '{value}'"),
             };
             let allowed = match text(ContextKind::ValidValue) {
-                values if values.is_empty() => format!("expected {argument}, not an empty text"),
+                values if values.is_empty() => format!("expected {argument}"),
                 values => format!("{}allowed: {values}", meant(ContextKind::SuggestedValue)),
             };
             usage_error(argument, found, allowed)
@@ -54,7 +54,18 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
                 _ if argument.starts_with('=') => {
                     "write --set KEY=VALUE without spaces around '='".to_owned()
                 }
-                suggestion if suggestion.is_empty() => "leave it out".to_owned(),
+                suggestion if suggestion.is_empty() => {
+                    let command = C::command();
+                    let verb = verb.as_deref().and_then(|verb| command.find_subcommand(verb));
+                    let options = verb.iter().flat_map(|own| own.get_arguments());
+                    let options = options.filter_map(|own| Some(format!("--{}", own.get_long()?)));
+                    match options.collect::<Vec<_>>() {
+                        few if (1..=4).contains(&few.len()) => {
+                            format!("leave it out; allowed: {}", few.join(", "))
+                        }
+                        _ => "leave it out".to_owned(),
+                    }
+                }
                 suggestion => suggestion,
             };
             let found = match argument.starts_with('-') {
@@ -79,7 +90,16 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
             // The subcommand of a verb, such as `show` of `cases`.
             let inner = inner.and_then(|own| find_verb(own, arguments));
             let verbs: Vec<&str> = verb.iter().chain(&inner).map(String::as_str).collect();
-            let usage = format!("expected wellposed {} {argument}", verbs.join(" "));
+            let command = verbs.iter().try_fold(&command, |own, verb| own.find_subcommand(verb));
+            let required = |own: &&Arg| own.is_positional() && own.is_required_set();
+            let required: Vec<&Arg> =
+                command.iter().flat_map(|own| own.get_arguments()).filter(required).collect();
+            let names: Vec<String> = required.iter().map(ToString::to_string).collect();
+            let about = required.iter().find(|own| own.to_string() == argument);
+            let about = about.and_then(|own| own.get_help());
+            let about = about.map_or(String::new(), |about| format!(" ({argument}: {about})"));
+            let usage =
+                format!("expected wellposed {} {}{about}", verbs.join(" "), names.join(" "));
             usage_error(argument, "missing".to_owned(), usage)
         }
         ErrorKind::TooManyValues => {

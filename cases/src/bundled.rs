@@ -1,6 +1,7 @@
 //! Case files bundled with the program.
 
 use crate::value::{find_similar_name, format_suggestion};
+use std::path::Path;
 
 // `CASES`: path and text of every bundled case file, sorted by path.
 include!(concat!(env!("OUT_DIR"), "/cases.rs"));
@@ -24,9 +25,15 @@ pub fn bundled_case_name(path: &str) -> &str {
     file.strip_suffix(".toml").unwrap_or(file)
 }
 
-/// Formats the suggestion of a bundled case with a similar name, for messages; empty without one.
-pub fn suggest_bundled_case(name: &str) -> String {
-    let name = bundled_case_name(name);
+/// Formats the suggestion of a case for a path that cannot be read, for messages: the file with the extension `.toml` or
+/// a bundled case with a similar name; empty without one.
+pub fn suggest_case(path: &Path) -> String {
+    let file = path.with_extension("toml");
+    if file != path && file.is_file() {
+        return format_suggestion(Some(&file.to_string_lossy()));
+    }
+    let path = path.to_string_lossy();
+    let name = bundled_case_name(&path);
     format_suggestion(find_similar_name(
         name,
         CASES.iter().map(|(path, _)| bundled_case_name(path)),
@@ -52,7 +59,7 @@ mod tests {
             assert_eq!(find_bundled_case(name), None, "{name}");
         }
         assert_eq!(
-            suggest_bundled_case("noncoaxialty.toml"),
+            suggest_case(Path::new("noncoaxialty.toml")),
             "did you mean 'noncoaxiality-bound'? "
         );
     }

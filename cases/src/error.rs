@@ -1,6 +1,6 @@
 //! Errors of case files, with position, key, value found and values allowed.
 
-use crate::bundled::suggest_bundled_case;
+use crate::bundled::suggest_case;
 use std::path::PathBuf;
 
 /// Position in the input.
@@ -36,7 +36,7 @@ pub enum CaseError {
     #[error(
         "{}: {cause}; {}expected a case file, or the name of a bundled case (see wellposed cases)",
         .path.display(),
-        suggest_bundled_case(&.path.to_string_lossy())
+        suggest_case(.path)
     )]
     Unreadable {
         /// Path of the file.

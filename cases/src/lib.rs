@@ -46,7 +46,7 @@ pub mod template;
 mod types;
 mod value;
 
-pub use bundled::{CASES, bundled_case_name, find_bundled_case, suggest_bundled_case};
+pub use bundled::{CASES, bundled_case_name, find_bundled_case, suggest_case};
 pub use case::{Case, MAX_FILE_SIZE, TimeDomainRun};
 pub use check::CheckOptions;
 pub use continuum::{ContinuumOptions, EquivalentContinuum};

@@ -69,7 +69,7 @@ impl Case {
         let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
             let allowed = "expected a blocky medium: add [[block]] with cells, size and repeat in place of \
                            [grid], and [[joint]] (wellposed new classical --run shows the sections)";
-            return Err(self.material.positions.key_error("block", "missing", allowed));
+            return Err(self.solid_section_error("block", allowed));
         };
         if let Some(second) = blocks.entries.get(1) {
             let name = second.name.as_deref().map_or(String::new(), |name| format!(" '{name}'"));

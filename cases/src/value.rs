@@ -221,7 +221,7 @@ pub fn find_similar_name<'a>(
 /// Returns the name under which a quantity with another usual name is found here.
 fn to_usual_name(name: &str) -> &str {
     match name {
-        "cfl" | "CFL" | "dt" => "courant",
+        "cfl" | "CFL" => "courant",
         "position" => "at",
         other => other,
     }

@@ -2,7 +2,7 @@
 
 use super::folder::{OutputError, create_folder, write_file};
 use super::new::check_new_file;
-use crate::case::{CASES, Case, find_bundled_case, suggest_bundled_case};
+use crate::case::{CASES, Case, find_bundled_case, suggest_case};
 use crate::cli::CommandError;
 use std::fs;
 use std::io::Write;
@@ -27,7 +27,7 @@ pub fn list_cases(stdout: &mut dyn Write) -> Result<(), CommandError> {
 pub fn show_case(name: &str, stdout: &mut dyn Write) -> Result<(), CommandError> {
     let (_, text) = find_bundled_case(name).ok_or_else(|| CommandError::NoBundledCase {
         name: name.to_owned(),
-        suggestion: suggest_bundled_case(name),
+        suggestion: suggest_case(Path::new(name)),
     })?;
     Ok(stdout.write_all(text.as_bytes())?)
 }

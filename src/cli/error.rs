@@ -84,7 +84,7 @@ pub enum CommandError {
         folder: String,
     },
     /// Result files differ from their checksums, are missing or have no checksum.
-    #[error("{folder}: {damaged_count} damaged or missing {}", if *.damaged_count == 1 { "file" } else { "files" })]
+    #[error("{folder}: {damaged_count} damaged or missing {}; write the folder anew by the command that made it, with --force", if *.damaged_count == 1 { "file" } else { "files" })]
     DamagedFiles {
         /// Number of files that are damaged, missing or without checksum.
         damaged_count: usize,

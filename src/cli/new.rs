@@ -44,9 +44,12 @@ pub fn write_template(
         matches!(purpose, TemplateKind::GranularPlaneWave | TemplateKind::PorousPlaneWave);
     if is_plane_wave && medium != MediumKind::from(ModelKind::Solid(registry::CLASSICAL)) {
         let found = format!("found for {}", medium.title());
-        return Err(
-            usage_error("--shocks", found, "name the kind classical without --yield").into()
-        );
+        return Err(usage_error(
+            "--shocks",
+            found,
+            "only the classical solid has plane waves: name the kind classical without --yield",
+        )
+        .into());
     }
     check_new_file(&path, force)?;
     write_file(&path, generate_template(medium, purpose).as_bytes())?;

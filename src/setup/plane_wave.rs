@@ -254,10 +254,10 @@ pub fn locate_plane_wave_error(case: &Case, key: &str, error: PlaneWaveError) ->
         _ => None,
     };
     if let Some((key, value)) = extreme {
-        let allowed =
-            "the waves are not finite: use a number that is neither so large nor so small";
+        let size = if value.abs() > 1.0 { "smaller" } else { "larger" };
+        let allowed = format!("use a number of {size} magnitude: the waves overflow");
         let found = format!("found {value}", value = value.to_plain_text());
-        return case.plane_wave_error(&key, found, allowed.to_owned());
+        return case.plane_wave_error(&key, found, allowed);
     }
     let (found, allowed) = match error {
         PlaneWaveError::OutOfRange { quantity, value, allowed } => (

@@ -110,7 +110,7 @@ impl Case {
             let allowed = "add a section [porous] with porosity and contact_bulk_modulus, or [granular] \
                            with friction, and [piston] with pressure or speed";
             let missing = if self.material.contacts.is_some() { "piston" } else { "porous" };
-            self.material.positions.key_error(missing, "missing", allowed)
+            self.solid_section_error(missing, allowed)
         })
     }
 
@@ -122,8 +122,20 @@ impl Case {
         self.material.contacts.as_ref().ok_or_else(|| {
             let allowed = "add a section [porous] with porosity and contact_bulk_modulus, or [granular] \
                            with friction";
-            self.material.positions.key_error("porous", "missing", allowed)
+            self.solid_section_error("porous", allowed)
         })
+    }
+
+    /// Creates the error for a missing section of a solid; in a flow, that for its kind, which no section changes.
+    pub(crate) fn solid_section_error(&self, section: &str, allowed: &str) -> CaseError {
+        match self.medium().kind {
+            kind @ ModelKind::Flow(_) => {
+                let found = format!("found '{}', a flow", kind.name());
+                let allowed = format!("expected a solid such as classical; {allowed}");
+                self.material.positions.key_error("model.kind", found, allowed)
+            }
+            _ => self.material.positions.key_error(section, "missing", allowed),
+        }
     }
 
     /// Checks that the case describes no granular or porous medium, for studies of solids without contacts.

@@ -401,10 +401,10 @@ fn check_face_quantity(
     kinds.sort_unstable();
     kinds.dedup();
     let found = match kinds.is_empty() {
-        true => format!("found '{name}', a quantity of joints, without joints"),
+        true => format!("found '{name}', a quantity of joints, in a case without joints"),
         false => format!("found '{name}' with joints of kind {}", join_with_commas(&kinds)),
     };
     let allowed =
-        format!("another picture, or a joint of kind {}", quantity.describe_joint_kinds());
+        format!("use another quantity, or a joint of kind {}", quantity.describe_joint_kinds());
     Err(section.key_error("picture", found, allowed))
 }

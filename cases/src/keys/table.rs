@@ -122,9 +122,7 @@ pub fn keys() -> &'static [Key] {
 fn format_model_kinds(flows: &[FlowKind], solids: &[SolidKind]) -> String {
     let flows = join_alternatives(flows.iter().map(|flow| flow.name()));
     let solids = join_alternatives(solids.iter().map(|solid| solid.name));
-    format!(
-        "{flows} for flows; {solids} for solids; equations for a model typed in the case file, see below"
-    )
+    format!("{flows} for flows; {solids} for solids; equations for a model typed in the case file")
 }
 
 /// Lists the allowed yield sets as text.

@@ -66,9 +66,10 @@ pub(super) fn overwrite_refusal_reason(
         return Ok(None);
     }
     if !has_equal_content(&folder.join(CASE_FILE), case) {
-        return Ok(Some(
-            "the folder holds other files, or results of another case or of other settings",
-        ));
+        return Ok(Some(match names.iter().any(|name| name == CASE_FILE) {
+            true => "the folder holds results of another case or of other settings",
+            false => "the folder holds other files",
+        }));
     }
     // A run that was killed early may have written only the case file, without results.
     let has_origin = names.iter().any(|name| name == PROGRAM_FILE || is_result_file_name(name));

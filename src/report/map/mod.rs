@@ -115,7 +115,13 @@ impl MapResult {
                 let step = format_short((second - first).abs());
                 format!("the grid step of {step}{}", format_unit_suffix(x.unit))
             }
-            _ => format!("the grid step of 0{}", format_unit_suffix(x.unit)),
+            _ => {
+                lines.push(format!(
+                    "{} has a single value: no intervals of well-posed states are determined.",
+                    x.label
+                ));
+                return;
+            }
         };
         lines.push(format!("Intervals of well-posed states, to within {grid_step}:"));
         for intervals in &self.well_posed_intervals {
