@@ -290,7 +290,10 @@ fn quantities_of_joints_are_drawn() {
     let (welded, _) = BREAKING_CASE.split_once("[[joint]]").expect("joints");
     let (_, rest) = BREAKING_CASE.split_once("[time]").expect("a time");
     let error = refuse(&format!("{welded}[time]{rest}"), "sigma12", "picture = 'slip'");
-    assert!(error.contains("found 'slip', a quantity of joints, without joints"), "{error}");
+    assert!(
+        error.contains("found 'slip', a quantity of joints, in a case without joints"),
+        "{error}"
+    );
 }
 
 /// Verifies that the printed report has the terms of the ledger that are not zero, and no others of joints.

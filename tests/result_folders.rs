@@ -239,7 +239,7 @@ fn check_damage_detection(name: &str, count: usize) {
         let (stdout, stderr) = run_with_exit_code(1, here, "verify out");
         assert!(stdout.contains(&format!("{file}: ")), "{file} {description}: {stdout}");
         assert!(
-            stderr.contains("out: 1 damaged or missing file\n"),
+            stderr.contains("out: 1 damaged or missing file; write the folder anew"),
             "{file} {description}: {stderr}"
         );
         let (stdout, _) = run_with_exit_code(1, here, "verify out --format json");

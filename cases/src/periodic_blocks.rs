@@ -67,7 +67,7 @@ impl Case {
     /// different joints along one axis, or blocks that are not classical elastic solids.
     pub fn to_periodic_blocks(&self) -> Result<PeriodicBlocks, CaseError> {
         let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
-            let allowed = "expected a blocky medium: add [[block]] with cells, size and repeat in place of \
+            let allowed = "for a blocky medium, add [[block]] with cells, size and repeat in place of \
                            [grid], and [[joint]] (wellposed new classical --run shows the sections)";
             return Err(self.solid_section_error("block", allowed));
         };
