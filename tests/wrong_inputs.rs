@@ -349,7 +349,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 90] = [
     ("run heat", &["model.kind: found equations; ", "wellposed point and map"]),
     (
         "homogenise noncoaxiality-bound",
-        &["block: missing; ", "expected a blocky medium: add [[block]]"],
+        &["block: missing; ", "for a blocky medium, add [[block]]"],
     ),
     (
         "homogenise cracks",
