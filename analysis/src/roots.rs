@@ -5,7 +5,7 @@ use crate::list::{StackList, list};
 use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
-/// Bound of the rounding error of a value, relative to the sum of the magnitudes of the terms of the polynomial.
+/// Rounding error of a value in working precision, relative to the sum of the magnitudes of the terms of the polynomial.
 const EVALUATION_ERROR: f64 = 2.0 * f64::EPSILON;
 
 /// Relative error of a complex product and sum of double-double numbers.
@@ -30,12 +30,9 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
                 list![sum / c2, c0 / sum]
             }
         }
-        _ => {
-            let mut start = initial_guesses(coefficients, &[]);
-            iterate_aberth(coefficients, &mut start, EVALUATION_ERROR, |x| {
-                evaluate_with_derivative(coefficients, x)
-            })
-        }
+        _ => iterate_aberth(coefficients, &mut initial_guesses(coefficients, &[]), |x, _| {
+            evaluate_with_derivative(coefficients, x)
+        }),
     }
 }
 
@@ -56,8 +53,12 @@ pub fn solve_extended(
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
     let rounding = EXTENDED_EVALUATION_ERROR * rounded.len() as f64;
-    let mut roots =
-        iterate_aberth(rounded, &mut start, rounding, |x| evaluate_extended(coefficients, x));
+    let mut roots = iterate_aberth(rounded, &mut start, |x, terms| {
+        let (value, slope) = evaluate_extended(coefficients, x);
+        // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
+        // where the value is rounding.
+        if value.norm() <= rounding * terms { (Complex64::ZERO, slope) } else { (value, slope) }
+    });
     roots.extend(std::iter::repeat_n(Complex64::ZERO, zeros));
     roots
 }
@@ -125,28 +126,26 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
     start
 }
 
-/// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative, the value with
-/// an error of `rounding` times the sum of the magnitudes of all terms.
+/// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative for a point and
+/// the sum of the magnitudes of all terms there.
 fn iterate_aberth(
     coefficients: &[Complex64],
     roots: &mut [Complex64],
-    rounding: f64,
-    evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
+    evaluate: impl Fn(Complex64, f64) -> (Complex64, Complex64),
 ) -> StackList<Complex64> {
     debug_assert_eq!(roots.len() + 1, coefficients.len());
     let moduli: StackList<f64> = coefficients.iter().map(|c| c.norm()).collect();
     let mut settled = list![false; roots.len()];
+    let mut last_steps = list![f64::INFINITY; roots.len()];
     for _ in 0..MAX_ITERATIONS {
         for i in 0..roots.len() {
             if settled[i] {
                 continue;
             }
-            let (value, slope) = evaluate(roots[i]);
             let size = roots[i].norm();
             let terms = moduli.iter().rev().fold(0.0, |sum, modulus| sum * size + modulus);
-            // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
-            // where the value is rounding.
-            if value.norm() <= rounding * terms {
+            let (value, slope) = evaluate(roots[i], terms);
+            if value == Complex64::ZERO {
                 settled[i] = true;
                 continue;
             }
@@ -164,8 +163,12 @@ fn iterate_aberth(
             }
             roots[i] -= step;
             // A step below the spacing of doubles was the last. It may also be small because another iterate is close: test
-            // the Newton correction too.
-            settled[i] = step.norm() <= f64::EPSILON * size && newton.norm() <= 1e-3 * size;
+            // the Newton correction too. Where the value is rounding, steps that do not shrink are rounding as well.
+            let length = step.norm();
+            let is_last = length <= f64::EPSILON * size
+                || value.norm() <= EVALUATION_ERROR * terms && length >= 0.5 * last_steps[i];
+            settled[i] = is_last && newton.norm() <= 1e-3 * size;
+            last_steps[i] = length;
         }
         if settled.iter().all(|s| *s) {
             break;

@@ -244,7 +244,8 @@ mod tests {
         assert_eq!(plane([100, 100], [false; 2], 2), Some([1, 2]));
         assert_eq!(plane([100, 100], [false; 2], 4), Some([2, 2]));
         assert_eq!(plane([300, 100], [false; 2], 4), Some([4, 1]));
-        assert_eq!(plane([300, 100], [false; 2], 6), Some([6, 1]));
+        // 2·100 + 1·300 of [3, 2] equal 5·100 of [6, 1].
+        assert_eq!(plane([300, 100], [false; 2], 6), Some([3, 2]));
         assert_eq!(plane([100, 100], [false; 2], 7), Some([1, 7]));
         // A periodic axis has one cut more: 2·100 + 1·120 of [2, 2] exceed 3·100 of [1, 4].
         assert_eq!(plane([100, 120], [true, false], 4), Some([1, 4]));

@@ -319,15 +319,15 @@ fn stored_tensor_energy<N: Number>(
     sum + (N::ONE + N::HALF) * mean_stress * mean_stress / *mean
 }
 
-/// Checks that 3a + 2b, called `name`, is finite for two moduli a and b with their keys; an overflow is the fault of the
-/// larger one.
+/// Checks that 3a + 2b, called `name`, does not overflow for two finite moduli a and b with their keys; an overflow is
+/// the fault of the larger one.
 fn check_sum(
     [(first, a), (second, b)]: [(&'static str, f64); 2],
     name: &str,
 ) -> Result<(), InputError> {
     let (key, value) = if a.abs() > b.abs() { (first, a) } else { (second, b) };
     ensure(
-        (3.0 * a + 2.0 * b).is_finite(),
+        !(a.is_finite() && b.is_finite()) || (3.0 * a + 2.0 * b).is_finite(),
         key,
         value,
         format_args!("a modulus so large that {name} overflows is not allowed"),
