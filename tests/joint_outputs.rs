@@ -274,7 +274,7 @@ fn quantities_of_joints_are_drawn() {
     let expected = [
         (
             "picture = 'pressure'",
-            "43: output.picture: found 'pressure' with joints of kind breaking, elastic-plastic; another picture, or a joint of kind saturated",
+            "43: output.picture: found 'pressure' with joints of kind breaking, elastic-plastic; use another quantity, or a joint of kind saturated",
         ),
         (
             "picture = 'slip'\ncontours = [1e-6]",

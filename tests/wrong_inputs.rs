@@ -347,7 +347,10 @@ const WRONG_INPUTS: [(&str, &[&str]); 90] = [
         ],
     ),
     ("run heat", &["model.kind: found equations; ", "wellposed point and map"]),
-    ("homogenise noncoaxiality-bound", &["block: missing; ", "for a blocky medium, add [[block]]"]),
+    (
+        "homogenise noncoaxiality-bound",
+        &["model.kind: found 'harris-grekova', a flow; ", "for a blocky medium, add [[block]]"],
+    ),
     (
         "homogenise cracks",
         &["joint[0].kind: found cracked; ", "expected elastic, elastic-plastic or breaking: "],
