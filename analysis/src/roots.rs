@@ -30,9 +30,12 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
                 list![sum / c2, c0 / sum]
             }
         }
-        _ => iterate_aberth(coefficients, &mut initial_guesses(coefficients, &[]), |x, _| {
-            evaluate_with_derivative(coefficients, x)
-        }),
+        _ => {
+            let mut start = initial_guesses(coefficients, &[]);
+            iterate_aberth(coefficients, &mut start, EVALUATION_ERROR, |x, _| {
+                evaluate_with_derivative(coefficients, x)
+            })
+        }
     }
 }
 
@@ -53,7 +56,7 @@ pub fn solve_extended(
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
     let rounding = EXTENDED_EVALUATION_ERROR * rounded.len() as f64;
-    let mut roots = iterate_aberth(rounded, &mut start, |x, terms| {
+    let mut roots = iterate_aberth(rounded, &mut start, rounding, |x, terms| {
         let (value, slope) = evaluate_extended(coefficients, x);
         // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
         // where the value is rounding.
@@ -127,10 +130,11 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
 }
 
 /// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative for a point and
-/// the sum of the magnitudes of all terms there.
+/// the sum of the magnitudes of all terms there. `rounding`: rounding error of a value, relative to this sum.
 fn iterate_aberth(
     coefficients: &[Complex64],
     roots: &mut [Complex64],
+    rounding: f64,
     evaluate: impl Fn(Complex64, f64) -> (Complex64, Complex64),
 ) -> StackList<Complex64> {
     debug_assert_eq!(roots.len() + 1, coefficients.len());
@@ -166,7 +170,7 @@ fn iterate_aberth(
             // the Newton correction too. Where the value is rounding, steps that do not shrink are rounding as well.
             let length = step.norm();
             let is_last = length <= f64::EPSILON * size
-                || value.norm() <= EVALUATION_ERROR * terms && length >= 0.5 * last_steps[i];
+                || value.norm() <= rounding * terms && length >= 0.5 * last_steps[i];
             settled[i] = is_last && newton.norm() <= 1e-3 * size;
             last_steps[i] = length;
         }
