@@ -5,11 +5,15 @@ use crate::list::{StackList, list};
 use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
-/// Rounding error of a value in working precision, relative to the sum of the magnitudes of the terms of the polynomial.
-const EVALUATION_ERROR: f64 = 2.0 * f64::EPSILON;
-
 /// Relative error of a complex product and sum of double-double numbers.
 const EXTENDED_EVALUATION_ERROR: f64 = 1e-30;
+
+/// Last step of the iteration with values in working precision, relative to the root: below the spacing of doubles,
+/// so that it goes on where rounding moves an ill-conditioned root.
+const LAST_STEP: f64 = 1e-16;
+
+/// Last step of the iteration with double-double values, relative to the root: rounding does not move the root.
+const EXTENDED_LAST_STEP: f64 = f64::EPSILON;
 
 /// Maximum number of Aberth–Ehrlich iterations.
 const MAX_ITERATIONS: usize = 200;
@@ -32,9 +36,7 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
         }
         _ => {
             let mut start = initial_guesses(coefficients, &[]);
-            iterate_aberth(coefficients, &mut start, EVALUATION_ERROR, |x, _| {
-                evaluate_with_derivative(coefficients, x)
-            })
+            iterate_aberth(&mut start, LAST_STEP, |x| evaluate_with_derivative(coefficients, x))
         }
     }
 }
@@ -56,10 +58,13 @@ pub fn solve_extended(
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
     let rounding = EXTENDED_EVALUATION_ERROR * rounded.len() as f64;
-    let mut roots = iterate_aberth(rounded, &mut start, rounding, |x, terms| {
+    let moduli: StackList<f64> = rounded.iter().map(|c| c.norm()).collect();
+    let mut roots = iterate_aberth(&mut start, EXTENDED_LAST_STEP, |x| {
         let (value, slope) = evaluate_extended(coefficients, x);
         // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
         // where the value is rounding.
+        let size = x.norm();
+        let terms = moduli.iter().rev().fold(0.0, |sum, modulus| sum * size + modulus);
         if value.norm() <= rounding * terms { (Complex64::ZERO, slope) } else { (value, slope) }
     });
     roots.extend(std::iter::repeat_n(Complex64::ZERO, zeros));
@@ -129,26 +134,20 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
     start
 }
 
-/// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative for a point and
-/// the sum of the magnitudes of all terms there. `rounding`: rounding error of a value, relative to this sum.
+/// Aberth–Ehrlich iteration from the starting points `roots` until each step is at most `last_step` times the root;
+/// `evaluate` returns value and derivative.
 fn iterate_aberth(
-    coefficients: &[Complex64],
     roots: &mut [Complex64],
-    rounding: f64,
-    evaluate: impl Fn(Complex64, f64) -> (Complex64, Complex64),
+    last_step: f64,
+    evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
 ) -> StackList<Complex64> {
-    debug_assert_eq!(roots.len() + 1, coefficients.len());
-    let moduli: StackList<f64> = coefficients.iter().map(|c| c.norm()).collect();
     let mut settled = list![false; roots.len()];
-    let mut last_steps = list![f64::INFINITY; roots.len()];
     for _ in 0..MAX_ITERATIONS {
         for i in 0..roots.len() {
             if settled[i] {
                 continue;
             }
-            let size = roots[i].norm();
-            let terms = moduli.iter().rev().fold(0.0, |sum, modulus| sum * size + modulus);
-            let (value, slope) = evaluate(roots[i], terms);
+            let (value, slope) = evaluate(roots[i]);
             if value == Complex64::ZERO {
                 settled[i] = true;
                 continue;
@@ -166,13 +165,9 @@ fn iterate_aberth(
                 continue;
             }
             roots[i] -= step;
-            // A step below the spacing of doubles was the last. It may also be small because another iterate is close: test
-            // the Newton correction too. Where the value is rounding, steps that do not shrink are rounding as well.
-            let length = step.norm();
-            let is_last = length <= f64::EPSILON * size
-                || value.norm() <= rounding * terms && length >= 0.5 * last_steps[i];
-            settled[i] = is_last && newton.norm() <= 1e-3 * size;
-            last_steps[i] = length;
+            // A step may also be small because another iterate is close: test the Newton correction too.
+            let size = roots[i].norm();
+            settled[i] = step.norm() <= last_step * size && newton.norm() <= 1e-3 * size;
         }
         if settled.iter().all(|s| *s) {
             break;
