@@ -264,8 +264,15 @@ fn quantities_of_joints_are_drawn() {
     let slip = draw(BREAKING_CASE, "sigma12", "slip");
     let opening = draw(BREAKING_CASE, "sigma12", "opening");
     let pressure = draw(SATURATED_CASE, "speed", "pressure");
-    assert!(slip.0.contains("slip of joints (") && opening.0.contains("opening of joints ("));
-    assert!(pressure.0.contains("pressure of fluid p ("));
+    // The name of the colour bar ends with the unit, after a common factor if there is one.
+    let unit = |picture: &str, name: &str| {
+        let text = picture.split(&format!("{name} (")).nth(1).expect("the name of a colour bar");
+        let parts = text.split(')').next().unwrap_or_default().split_whitespace();
+        parts.last().unwrap_or_default().to_owned()
+    };
+    assert_eq!(unit(&slip.0, "slip of joints"), "m");
+    assert_eq!(unit(&opening.0, "opening of joints"), "m");
+    assert_eq!(unit(&pressure.0, "pressure of fluid p"), "Pa");
     assert!(slip.0 != opening.0 && slip.1 != opening.1);
     let refuse = |case: &str, old: &str, set: &str| {
         let case = case.replace(&format!("picture = \"{old}\""), set);

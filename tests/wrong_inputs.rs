@@ -51,7 +51,7 @@ const FILES: [(&str, &str); 13] = [
 ];
 
 /// Arguments, and parts of the message: place or argument, what was found, what is allowed.
-const WRONG_INPUTS: [(&str, &[&str]); 90] = [
+const WRONG_INPUTS: [(&str, &[&str]); 91] = [
     // Files.
     ("point syntax.toml", &["syntax.toml:2: ", "'kind ='", "write 'key = value'"]),
     ("point twice.toml", &["twice.toml:3: ", "duplicate key", "give each key once"]),
@@ -331,7 +331,15 @@ const WRONG_INPUTS: [(&str, &[&str]); 90] = [
             "wellposed point and map",
         ],
     ),
-    ("run forbidden-band", &["grid: missing; ", "add a section [grid] with cells = [200, 200]"]),
+    (
+        "run forbidden-band",
+        &[
+            "grid: missing; ",
+            "add a section [grid] with cells = [200, 200]",
+            "(wellposed new reduced-cosserat --run writes an example)",
+        ],
+    ),
+    ("plot .", &[".: no results; ", "name a results folder, of wellposed map, point, "]),
     (
         "diagram noncoaxiality-bound",
         &[

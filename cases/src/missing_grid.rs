@@ -15,14 +15,17 @@ pub(super) fn missing_grid_error(positions: &KeyPositions, kind: ModelKind) -> C
                            cannot be simulated";
             positions.key_error("model.kind", found, allowed)
         }
-        ModelKind::Flow(_) => {
-            let allowed = "add a section [grid] with cells = [64, 64] and length = 0.1, [time] with \
-                           duration, and [[initial]]";
-            positions.key_error("grid", "missing", allowed)
-        }
-        ModelKind::Solid(_) => {
-            let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
-                           with duration";
+        ModelKind::Flow(_) | ModelKind::Solid(_) => {
+            let sections = match kind {
+                ModelKind::Flow(_) => {
+                    "cells = [64, 64] and length = 0.1, [time] with duration, and [[initial]]"
+                }
+                _ => "cells = [200, 200] and spacing = 1.0, and [time] with duration",
+            };
+            let allowed = format!(
+                "add a section [grid] with {sections} (wellposed new {} --run writes an example)",
+                kind.name()
+            );
             positions.key_error("grid", "missing", allowed)
         }
         ModelKind::Equations => {

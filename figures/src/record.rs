@@ -36,6 +36,11 @@ impl RecordPanel<'_> {
         let mut all = self.series.iter().flat_map(|series| series.values);
         all.any(|value| is_plottable(*value) && *value != 0.0)
     }
+
+    /// Returns the minimum height of the frame on the page, pixels; on a low page, texts need as much as on a high one.
+    fn scaled_min_height(&self) -> f64 {
+        page::scale_height(self.min_height).max(self.min_height.min(LOWEST_FRAME))
+    }
 }
 
 /// Content of a figure of records.
@@ -51,6 +56,8 @@ pub(crate) struct RecordFigure<'a> {
 const PANEL_TITLE_SIZE: f64 = 26.0;
 /// Height of the row of a panel title, pixels.
 const PANEL_TITLE_HEIGHT: f64 = 1.4 * PANEL_TITLE_SIZE;
+/// Height of a frame with three or four tick labels above each other, pixels.
+const LOWEST_FRAME: f64 = 110.0;
 /// Gap between panels, pixels.
 const PANEL_GAP: f64 = 12.0;
 /// Fraction of the time axis over which the variation of a line is measured.
@@ -338,8 +345,7 @@ impl RecordFigure<'_> {
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let rows = PANEL_TITLE_HEIGHT * self.panels.len() as f64
             + PANEL_GAP * self.panels.len().saturating_sub(1) as f64;
-        let min_height: f64 =
-            self.panels.iter().map(|panel| page::scale_height(panel.min_height)).sum();
+        let min_height: f64 = self.panels.iter().map(RecordPanel::scaled_min_height).sum();
         let height = page::height().max(top + rows + min_height + below).ceil();
         let spare = height - top - rows - min_height - below;
         let weights: f64 = self.panels.iter().map(|panel| panel.height_weight).sum();
@@ -347,7 +353,7 @@ impl RecordFigure<'_> {
         let mut y = top;
         let mut frames = Vec::new();
         for panel in &self.panels {
-            let high = page::scale_height(panel.min_height) + spare * panel.height_weight / weights;
+            let high = panel.scaled_min_height() + spare * panel.height_weight / weights;
             let top = (y + PANEL_TITLE_HEIGHT).round();
             y += PANEL_TITLE_HEIGHT + high + PANEL_GAP;
             frames.push([top, (y - PANEL_GAP).round()]);

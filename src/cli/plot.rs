@@ -6,8 +6,8 @@ use super::run::{AnimationOutput, draw_animation, read_records};
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
-    AppendedFile, JOINT_ARCHIVE_FILE, OutputError, Publication, ResultFolder, SNAPSHOT_LIST_FILE,
-    has_joint_files, is_snapshot_name,
+    AppendedFile, CASE_FILE, JOINT_ARCHIVE_FILE, OutputError, Publication, ResultFolder,
+    SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name,
 };
 use crate::cli::options::create_thread_pool;
 use crate::report::{self, PictureOptions, RenderedReport, Report};
@@ -39,6 +39,15 @@ pub fn plot(
 ) -> Result<(), CommandError> {
     let has_results = |verb: &&str| path.join(format!("{verb}.json")).exists();
     let studies: Vec<&str> = STUDIES.into_iter().filter(has_results).collect();
+    if path.is_dir() && studies.is_empty() && !path.join(CASE_FILE).exists() {
+        return Err(OutputError {
+            path: path.to_owned(),
+            cause: "no results".to_owned(),
+            remedy: "name a results folder, of wellposed map, point, dispersion, diagram, speeds, shocks, check \
+                     or run",
+        }
+        .into());
+    }
     let mut names = Vec::new();
     if has_results(&"run") || studies.is_empty() {
         names.extend(plot_run(path, options)?);

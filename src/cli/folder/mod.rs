@@ -17,10 +17,10 @@ mod verify;
 pub use checksums::Damage;
 pub use error::OutputError;
 pub use names::{
-    AppendedFile, BLOCH_FILES, CHECK_FILES, COMPARISON_FILES, DIAGRAM_FILES, DISPERSION_FILES,
-    JOINT_ARCHIVE_FILE, JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES, RUN_FILES, SHOCKS_FILES,
-    SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files, is_snapshot_name, joint_snapshot_file_name,
-    result_file_names, snapshot_file_name, snapshot_file_names,
+    AppendedFile, BLOCH_FILES, CASE_FILE, CHECK_FILES, COMPARISON_FILES, DIAGRAM_FILES,
+    DISPERSION_FILES, JOINT_ARCHIVE_FILE, JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES,
+    RUN_FILES, SHOCKS_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files, is_snapshot_name,
+    joint_snapshot_file_name, result_file_names, snapshot_file_name, snapshot_file_names,
 };
 
 pub use publication::Publication;
@@ -32,8 +32,7 @@ use files::FileError;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
 use names::{
-    CASE_FILE, PROBE_FILE_STEM, PROGRAM_FILE, PUBLICATION_LOCK_FILE, is_result_file_name,
-    is_temporary_name,
+    PROBE_FILE_STEM, PROGRAM_FILE, PUBLICATION_LOCK_FILE, is_result_file_name, is_temporary_name,
 };
 use origin::{has_equal_content, overwrite_refusal_reason, serialise_program_file};
 use std::fs::{self, File};

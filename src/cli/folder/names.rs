@@ -5,7 +5,7 @@ use crate::case::dynamics::Blocks;
 use files::checksums::Checksums;
 
 /// Name of the file with the resolved case.
-pub(super) const CASE_FILE: &str = "case.toml";
+pub const CASE_FILE: &str = "case.toml";
 /// Name of the file with name, version and commit of the program, and the checksum of the case.
 pub(super) const PROGRAM_FILE: &str = "program.json";
 
