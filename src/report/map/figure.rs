@@ -149,7 +149,7 @@ fn parameter_symbol(label: &str) -> &str {
 }
 
 /// Describes the model and all parameters of model, yield set, stress and background that the map does not sweep, except
-/// those that are zero.
+/// those that are zero, and the deviatoric stress of a solid, which is scaled until the solid yields.
 fn format_subtitle(case: &Case, found: &MapResult) -> String {
     let fixed = SweepParameter::all_parameters().filter_map(|parameter| {
         let name = parameter.name();
@@ -157,6 +157,7 @@ fn format_subtitle(case: &Case, found: &MapResult) -> String {
             .iter()
             .any(|section| name.starts_with(section));
         let is_fixed = is_of_state
+            && name != "stress.deviatoric_stress"
             && name != found.x.parameter
             && name != found.y.parameter
             && parameter.key().is_used_by(case.medium());
