@@ -14,24 +14,35 @@ const EXIT_CODES: [(u8, &str); 5] = [
 /// Meaning of exit code 130 for commands without checkpoints.
 const INTERRUPTED: &str = "interrupted before all results were written";
 
-/// Examples of the program: command line and meaning.
-const PROGRAM_EXAMPLES: [(&str, &str); 5] = [
-    ("wellposed map noncoaxiality-bound", "map of a bundled case: out/noncoaxiality-bound/map.png"),
-    ("wellposed cases", "list of the bundled cases"),
-    ("wellposed new harris-grekova", "a commented case to start from: harris-grekova.toml"),
-    ("wellposed point harris-grekova.toml --set background.pressure=500", "one state of this case"),
-    ("wellposed run lamb-2d --dry-run", "size, time, memory and files of a run"),
-];
-
 /// Help of a command: its name, examples, and exit codes.
-struct CommandHelp {
+pub struct CommandHelp {
     name: &'static str,
-    examples: &'static [(&'static str, &'static str)],
+    /// Command lines and their meanings.
+    pub examples: &'static [(&'static str, &'static str)],
     exit_codes: &'static [u8],
 }
 
+/// Help of the program.
+const PROGRAM: CommandHelp = CommandHelp {
+    name: "wellposed",
+    examples: &[
+        (
+            "wellposed map noncoaxiality-bound",
+            "map of a bundled case: out/noncoaxiality-bound/map.png",
+        ),
+        ("wellposed cases", "list of the bundled cases"),
+        ("wellposed new harris-grekova", "a commented case to start from: harris-grekova.toml"),
+        (
+            "wellposed point harris-grekova.toml --set background.pressure=500",
+            "one state of this case",
+        ),
+        ("wellposed run lamb-2d --dry-run", "size, time, memory and files of a run"),
+    ],
+    exit_codes: &[0, 1, 2, 3, 130],
+};
+
 /// Help of all commands.
-const COMMANDS: [CommandHelp; 18] = [
+const COMMANDS: [CommandHelp; 19] = [
     CommandHelp {
         name: "map",
         examples: &[
@@ -191,35 +202,55 @@ const COMMANDS: [CommandHelp; 18] = [
         examples: &[("wellposed completions bash", "source its output in ~/.bashrc")],
         exit_codes: &[0, 2],
     },
+    CommandHelp {
+        name: "manual",
+        examples: &[
+            ("wellposed manual man1", "writes man1/wellposed.1, man1/wellposed-map.1, …"),
+            ("wellposed manual --markdown", "the same as one page in Markdown"),
+        ],
+        exit_codes: &[0, 2],
+    },
 ];
+
+impl CommandHelp {
+    /// Returns the help of a command of the program, or of the program itself.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        std::iter::once(&PROGRAM).chain(&COMMANDS).find(|help| help.name == name)
+    }
+
+    /// Lists the exit codes with their meanings.
+    pub fn exit_codes(&self) -> impl Iterator<Item = (u8, &'static str)> {
+        let has_checkpoints = self.exit_codes.contains(&3);
+        let codes = EXIT_CODES.iter().filter(|(code, _)| self.exit_codes.contains(code));
+        codes.map(move |(code, meaning)| match code {
+            130 if !has_checkpoints => (130, INTERRUPTED),
+            _ => (*code, *meaning),
+        })
+    }
+
+    /// Formats the examples, aligned if they fit, and the exit codes.
+    fn format(&self) -> String {
+        let width = self.examples.iter().map(|(line, _)| line.len()).max().unwrap_or(0);
+        let mut text = "Examples:".to_owned();
+        for (line, meaning) in self.examples {
+            text += &format!("\n  {line:width$}  {meaning}");
+        }
+        text += "\n\nExit codes:";
+        for (code, meaning) in self.exit_codes() {
+            text += &format!("\n  {code:<3}  {meaning}");
+        }
+        text
+    }
+}
 
 /// Adds examples and exit codes to the help texts of the program and of its commands.
 pub fn add_examples(command: Command) -> Command {
-    let all = EXIT_CODES.map(|(code, _)| code);
     let text = format!(
         "{}\n\nwellposed COMMAND --help lists the arguments of a command.",
-        format_help(&PROGRAM_EXAMPLES, &all)
+        PROGRAM.format()
     );
-    command.after_help(text).mut_subcommands(|own| {
-        match COMMANDS.iter().find(|help| help.name == own.get_name()) {
-            Some(help) => own.after_help(format_help(help.examples, help.exit_codes)),
-            None => own,
-        }
+    command.after_help(text).mut_subcommands(|own| match CommandHelp::find(own.get_name()) {
+        Some(help) => own.after_help(help.format()),
+        None => own,
     })
-}
-
-/// Formats the examples, aligned if they fit, and the exit codes.
-fn format_help(examples: &[(&str, &str)], exit_codes: &[u8]) -> String {
-    let width = examples.iter().map(|(line, _)| line.len()).max().unwrap_or(0);
-    let mut text = "Examples:".to_owned();
-    for (line, meaning) in examples {
-        text += &format!("\n  {line:width$}  {meaning}");
-    }
-    text += "\n\nExit codes:";
-    let has_checkpoints = exit_codes.contains(&3);
-    for (code, meaning) in EXIT_CODES.iter().filter(|(code, _)| exit_codes.contains(code)) {
-        let meaning = if *code == 130 && !has_checkpoints { INTERRUPTED } else { meaning };
-        text += &format!("\n  {code:<3}  {meaning}");
-    }
-    text
 }

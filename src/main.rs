@@ -3,6 +3,7 @@
 #[cfg(unix)]
 mod allocator;
 mod help;
+mod manual;
 mod picture_arguments;
 mod usage;
 
@@ -41,8 +42,6 @@ struct CommandLine {
 enum Verb {
     /// Map the verdict over two parameters of a case: picture, data and summary
     Map {
-        #[command(flatten)]
-        arguments: CaseArguments,
         /// Also compute the largest growth rate over all wave vectors at every point
         #[arg(long = "bound")]
         computes_bound: bool,
@@ -52,6 +51,8 @@ enum Verb {
         /// Assess every point from the linearised equations, without closed forms of a model
         #[arg(long = "model-blind")]
         is_model_blind: bool,
+        #[command(flatten)]
+        arguments: CaseArguments,
     },
     /// Analyse one state: background, characteristics, dispersion roots, growth, verdict
     Point {
@@ -109,8 +110,6 @@ enum Verb {
     },
     /// Simulate a solid or flow in the time domain: fields, receivers, energy ledger, picture
     Run {
-        #[command(flatten)]
-        arguments: CaseArguments,
         /// Wall time between two checkpoints, from which an interrupted run resumes, s
         #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
             allow_negative_numbers = true, value_parser = parse_seconds)]
@@ -118,14 +117,16 @@ enum Verb {
         /// Simulate a flow although its equations are ill-posed and its solution depends on the grid
         #[arg(long)]
         accept_ill_posed: bool,
+        #[command(flatten)]
+        arguments: CaseArguments,
     },
     /// Compare predicted complex frequencies with simulated ones: table, picture; exit code 1 on disagreement
     Check {
-        #[command(flatten)]
-        arguments: CaseArguments,
         /// Print only rows, and of a folder only cases, that disagree; files of results have all rows
         #[arg(long = "disagreeing")]
         only_disagreeing: bool,
+        #[command(flatten)]
+        arguments: CaseArguments,
     },
     /// Compare two finished runs of the same load, such as a blocky medium and its equivalent continuum: means over blocks,
     /// fronts, dissipated energy
@@ -231,6 +232,16 @@ enum Verb {
     Completions {
         /// Shell
         shell: clap_complete::Shell,
+    },
+    /// Write man pages of the program and of its commands, or print them as one page in Markdown
+    #[command(hide = true)]
+    Manual {
+        /// Folder to write to, e.g. ~/.local/share/man/man1; files of an earlier version are overwritten
+        #[arg(value_name = "DIR", required_unless_present = "is_markdown")]
+        folder: Option<PathBuf>,
+        /// Print one page in Markdown
+        #[arg(long = "markdown", conflicts_with = "folder")]
+        is_markdown: bool,
     },
 }
 
@@ -546,6 +557,13 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             let mut text = Vec::new();
             clap_complete::generate(shell, &mut CommandLine::command(), "wellposed", &mut text);
             stdout.write_all(&text)?;
+        }
+        Verb::Manual { folder, .. } => {
+            let command = help::add_examples(CommandLine::command());
+            match folder {
+                Some(folder) => manual::write_man_pages(command, &folder, &mut stdout)?,
+                None => write!(stdout, "{}", manual::generate_commands_page(command))?,
+            }
         }
     }
     Ok(stdout.flush()?)

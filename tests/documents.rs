@@ -74,6 +74,29 @@ impl DocumentCode {
     }
 }
 
+/// Returns the case files that pages show in full under a name: the name in the first line, a comment, and the text.
+fn cases_in_documents() -> Vec<(String, String)> {
+    let blocks = document_paths()
+        .into_iter()
+        .flat_map(|path| DocumentCode::new(&read_document(&path)).blocks);
+    let named = blocks.filter(|(language, _)| language == "toml").filter_map(|(_, block)| {
+        let name = block.lines().next()?.strip_prefix("# ")?;
+        name.ends_with(".toml").then(|| (name.to_owned(), block.clone()))
+    });
+    named.collect()
+}
+
+/// Writes a case file that a page shows, that is bundled, or else a template, to a folder.
+fn write_own_case(folder: &Path, name: &str) {
+    let shown = cases_in_documents().into_iter().find(|(own, _)| own == name);
+    let bundled = CASES.iter().find(|(path, _)| path.ends_with(&format!("/{name}")));
+    if let Some(text) = shown.map(|own| own.1).or(bundled.map(|own| own.1.to_owned())) {
+        return fs::write(folder.join(name), text).expect("a file");
+    }
+    let written = run_with_arguments(folder, &["new", name.trim_end_matches(".toml")]);
+    assert!(written.status.success(), "nothing writes {name}");
+}
+
 /// Returns the link anchor of a heading.
 fn heading_anchor(headline: &str) -> String {
     let is_anchor_character = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
@@ -124,6 +147,7 @@ fn paths_in_documents_exist() {
     let is_file = |word: &str| {
         word.rsplit_once('.').is_some_and(|(_, extension)| FILE_EXTENSIONS.contains(&extension))
     };
+    let shown_cases = cases_in_documents();
     let exists = |word: &str| {
         let end = format!("/{word}");
         // Paths are relative to the root or to the folder of cases; a file name without folder may be anywhere.
@@ -135,6 +159,7 @@ fn paths_in_documents_exist() {
         tree.iter().any(|path| is_named(&path) || path.trim_end_matches('/') == word)
             || is_result.into_iter().any(|name| name == word)
             || is_snapshot_name(word)
+            || shown_cases.iter().any(|(name, _)| name == word)
             || word.starts_with("out/")
     };
     let starts_with_folder = |word: &str| {
@@ -223,22 +248,20 @@ fn check_command(command: &str) {
     // A file without folder is one that the reader has written: a template, or a bundled case that the page shows.
     let own = rest.iter().find(|word| word.ends_with(".toml") && !word.contains('/'));
     if let Some(own) = own.filter(|_| takes_case) {
-        let shown = CASES.iter().find(|(path, _)| path.ends_with(&format!("/{own}")));
-        match shown {
-            Some((_, text)) => std::fs::write(scratch.path().join(own), text).expect("a file"),
-            None => {
-                let kind = own.trim_end_matches(".toml");
-                let written = run_with_arguments(scratch.path(), &["new", kind]);
-                assert!(written.status.success(), "wellposed {command}: nothing writes {own}");
-            }
-        }
+        write_own_case(scratch.path(), own);
     }
+    let has_out = rest.contains(&"--out");
+    let plan = if has_out { vec!["--dry-run"] } else { vec!["--dry-run", "--out", out] };
     let (folder, arguments): (&Path, Vec<&str>) = match *verb {
         _ if takes_case && own.is_some() => {
             (scratch.path(), arguments.iter().copied().chain(["--dry-run"]).collect())
         }
-        // Folders of results that `compare` reads do not exist.
-        _ if rest.is_empty() || *verb == "compare" || (has_placeholder && !takes_case) => {
+        // Folders of results or of cases do not exist.
+        _ if rest.is_empty()
+            || ["compare", "resume", "plot", "verify"].contains(verb)
+            || [".", "show"].contains(&rest[0]) && rest.len() == 1
+            || (has_placeholder && !takes_case) =>
+        {
             (scratch.path(), vec![verb, "--help"])
         }
         // The placeholder `CASE` is replaced by a bundled case that the verb accepts.
@@ -253,12 +276,9 @@ fn check_command(command: &str) {
             };
             let rest = rest.iter().map(|word| if *word == "CASE" { case } else { word });
             let arguments = std::iter::once(*verb).chain(rest);
-            (repository_root(), arguments.chain(["--dry-run", "--out", out]).collect())
+            (repository_root(), arguments.chain(plan).collect())
         }
-        _ if takes_case => {
-            let arguments = arguments.iter().copied();
-            (repository_root(), arguments.chain(["--dry-run", "--out", out]).collect())
-        }
+        _ if takes_case => (repository_root(), arguments.iter().copied().chain(plan).collect()),
         _ => (scratch.path(), arguments.clone()),
     };
     let output = run_with_arguments(folder, &arguments);
@@ -274,7 +294,8 @@ fn commands_in_documents_are_accepted() {
         let code = DocumentCode::new(&text);
         // Blocks indented by four spaces are included.
         let indented: Vec<&str> = text.lines().filter(|line| line.starts_with("    ")).collect();
-        commands.extend(code.blocks.iter().flat_map(|(_, block)| extract_commands(block)));
+        let blocks = code.blocks.iter().filter(|(language, _)| language != "bash");
+        commands.extend(blocks.flat_map(|(_, block)| extract_commands(block)));
         commands.extend(extract_commands(&indented.join("\n")));
         let spans = code.spans.iter().map(|span| span.replace('\n', " "));
         commands.extend(spans.flat_map(|span| extract_commands(&span)));
@@ -288,10 +309,49 @@ fn commands_in_documents_are_accepted() {
         let program_line = |line: &str| line.starts_with("wellposed ").then(|| command(line));
         commands.extend(lines.filter_map(program_line).flat_map(|line| extract_commands(&line)));
     }
-    let is_verb = |command: &&String| !command.starts_with('-') && !command.starts_with('=');
+    let is_verb = |command: &&String| {
+        !command.starts_with('-') && !command.starts_with('=') && !command.starts_with("COMMAND")
+    };
     let commands: Vec<&String> = commands.iter().filter(is_verb).collect();
     assert!(commands.len() > 40, "{commands:#?}");
     commands.iter().for_each(|command| check_command(command));
+}
+
+/// Runs the blocks of shell commands with loops or substitutions, marked as `bash`, in an empty folder as home.
+#[cfg(unix)]
+#[test]
+fn bash_blocks_in_documents_run() {
+    let program = Path::new(program::PROGRAM_PATH).parent().expect("a folder");
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap_or_default());
+    let mut count = 0;
+    for document in document_paths() {
+        let blocks = DocumentCode::new(&read_document(&document)).blocks;
+        for (_, block) in blocks.iter().filter(|(language, _)| language == "bash") {
+            let scratch = tempfile::tempdir().expect("a scratch folder");
+            let mut bash = std::process::Command::new("bash");
+            let bash = bash.args(["-euc", block]).current_dir(scratch.path());
+            let output = bash.env("PATH", &path).env("HOME", scratch.path()).output();
+            let output = output.expect("bash");
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{document}: {block}\n{errors}");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 3);
+}
+
+/// Returns whether the printed lines are the expected ones, in which a line `…` stands for any lines.
+fn matches_transcript(expected: &[&str], printed: &[&str]) -> bool {
+    match (expected, printed) {
+        ([], _) => printed.is_empty(),
+        (["…", rest @ ..], _) => {
+            (0..=printed.len()).any(|start| matches_transcript(rest, &printed[start..]))
+        }
+        ([line, rest @ ..], [first, others @ ..]) => {
+            line == first && matches_transcript(rest, others)
+        }
+        (_, []) => false,
+    }
 }
 
 /// Verifies that transcripts in the documents equal the output of the commands.
@@ -308,16 +368,58 @@ fn transcripts_equal_program_output() {
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let out: PathBuf = scratch.path().join("out");
         let mut arguments: Vec<&str> = command.split_whitespace().collect();
-        arguments.extend(["--out", out.to_str().expect("text")]);
-        let printed = String::from_utf8(run_with_arguments(repository_root(), &arguments).stdout)
-            .expect("text");
-        // The line with the path of the picture is omitted.
-        let printed: Vec<&str> =
-            printed.lines().filter(|line| !line.starts_with("picture: ")).collect();
-        assert_eq!(printed, expected, "wellposed {command}");
+        let is_own = arguments[1].ends_with(".toml") && !arguments[1].contains('/');
+        let folder = if is_own { scratch.path() } else { repository_root() };
+        if is_own {
+            write_own_case(folder, arguments[1]);
+        }
+        // Results lie in the scratch folder, also where the page names another.
+        arguments
+            .truncate(arguments.iter().position(|word| *word == "--out").unwrap_or(usize::MAX));
+        arguments.extend(["--pictures", "none", "--out", out.to_str().expect("text")]);
+        let printed =
+            String::from_utf8(run_with_arguments(folder, &arguments).stdout).expect("text");
+        // The line with the path of the results is omitted.
+        let is_path = |line: &&str| line.starts_with("picture: ") || line.starts_with("results: ");
+        let printed: Vec<&str> = printed.lines().filter(|line| !is_path(line)).collect();
+        assert!(
+            matches_transcript(&expected, &printed),
+            "wellposed {command}\n{block}\n{}",
+            printed.join("\n")
+        );
         count += 1;
     }
-    assert_eq!(count, 2);
+    assert_eq!(count, 9);
+}
+
+/// Verifies that the page of commands is that of the parser, and that each command has a section in it and a man page.
+#[test]
+fn commands_page_and_man_pages_are_complete() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let printed = run_with_arguments(folder.path(), &["manual", "--markdown"]).stdout;
+    let page = read_document("docs/commands.md");
+    assert!(
+        String::from_utf8_lossy(&printed) == page,
+        "write it anew: wellposed manual --markdown > docs/commands.md"
+    );
+    let written = run_with_arguments(folder.path(), &["manual", "man1"]);
+    assert!(written.status.success());
+    let help = run_with_arguments(folder.path(), &["--help"]).stdout;
+    let help = String::from_utf8(help).expect("text");
+    let commands = help.split("Commands:\n").nth(1).expect("commands");
+    let names = commands.lines().map_while(|line| line.strip_prefix("  ")?.split(' ').next());
+    let names: Vec<&str> = names.filter(|name| *name != "help").collect();
+    assert_eq!(names.len(), 18, "{help}");
+    for name in names {
+        assert!(page.contains(&format!("\n## `wellposed {name}`\n")), "{name}");
+        let path = folder.path().join(format!("man1/wellposed-{name}.1"));
+        let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        for part in [".TH wellposed", ".SH SYNOPSIS", ".SH EXAMPLES", ".SH \"EXIT STATUS\""] {
+            assert!(text.contains(part), "{name}: {part}\n{text}");
+        }
+    }
+    let page = fs::read_to_string(folder.path().join("man1/wellposed.1")).expect("a man page");
+    assert!(page.contains("wellposed\\-map(1)"), "{page}");
 }
 
 /// Verifies that cargo commands name existing packages, tests, benchmarks and examples.
@@ -355,9 +457,10 @@ fn cargo_commands_name_existing_targets() {
     assert!(count > 10, "{count}");
 }
 
-/// Verifies that the README is short, shows six pictures with the command of each, and links to every page.
+/// Verifies that the README is short, shows six pictures with the command of each, and links to the contents, which link
+/// to every page.
 #[test]
-fn readme_is_short_and_links_every_page() {
+fn readme_is_short_and_contents_link_every_page() {
     let text = read_document("README.md");
     assert!(text.lines().count() <= 150, "{}", text.lines().count());
     let section = text.split("\n## ").find(|section| section.starts_with("Six pictures"));
@@ -371,8 +474,16 @@ fn readme_is_short_and_links_every_page() {
             "{picture}"
         );
     }
-    for page in document_paths().iter().filter(|page| *page != "README.md") {
-        assert!(text.contains(&format!("]({page})")), "{page}");
+    assert!(text.contains("](docs/SUMMARY.md)"));
+    let contents = read_document("docs/SUMMARY.md");
+    for page in document_paths() {
+        let link = match page.strip_prefix("docs/") {
+            Some("SUMMARY.md") => continue,
+            Some(name) => name.to_owned(),
+            None if page == "README.md" => continue,
+            None => format!("../{page}"),
+        };
+        assert!(contents.contains(&format!("]({link})")), "{page}");
     }
 }
 
@@ -409,7 +520,7 @@ fn toml_blocks_in_documents_are_valid_cases() {
             }
         }
     }
-    assert_eq!(count, 7);
+    assert_eq!(count, 9);
 }
 
 /// Verifies that the arrays used by Python examples exist in the result files.

@@ -280,7 +280,7 @@ fn create_removal_error(path: &Path, error: &std::io::Error) -> OutputError {
 ///
 /// # Errors
 /// The folder cannot be created.
-pub(in crate::cli) fn create_folder(path: &Path) -> Result<(), OutputError> {
+pub fn create_folder(path: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(path).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
             OutputError::new(path, "a file is in the place of a folder")
