@@ -551,7 +551,7 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             write!(stdout, "{}", wellposed::case::generate_reference())?
         }
         Verb::Schema { is_markdown: false } => {
-            writeln!(stdout, "{:#}", wellposed::case::generate_json_schema())?;
+            write!(stdout, "{}", new::format_schema())?;
         }
         Verb::Completions { shell } => {
             let mut text = Vec::new();

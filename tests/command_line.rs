@@ -148,7 +148,17 @@ fn new_overwrites_existing_case_only_with_force() {
     }
     run_with_exit_code(0, &here, "new free-rotating other.toml");
     run_with_exit_code(2, &here, "new free-rotating other.toml/below.toml");
-    assert_eq!(list_entries(&here).len(), 11, "{:?}", list_entries(&here));
+    assert_eq!(list_entries(&here).len(), 12, "{:?}", list_entries(&here));
+
+    // Templates name the schema for editors, which lies beside them; one of another version is replaced.
+    let template = fs::read_to_string(here.join("other.toml")).unwrap();
+    assert!(template.starts_with("#:schema ./wellposed.schema.json\n# Analysis"), "{template}");
+    let (schema, _) = run_with_exit_code(0, &here, "schema");
+    let beside = here.join("wellposed.schema.json");
+    assert_eq!(fs::read_to_string(&beside).unwrap(), schema);
+    fs::write(&beside, "{}").unwrap();
+    run_with_exit_code(0, &here, "new rheology scheme.toml");
+    assert_eq!(fs::read_to_string(&beside).unwrap(), schema);
 }
 
 #[test]

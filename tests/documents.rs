@@ -155,7 +155,12 @@ fn paths_in_documents_exist() {
             true => **path == word || **path == format!("cases/{word}"),
             false => **path == word || path.ends_with(&end),
         };
-        let is_result = result_file_names().chain(["case.toml", "program.json", "log.txt"]);
+        let is_result = result_file_names().chain([
+            "case.toml",
+            "program.json",
+            "log.txt",
+            "wellposed.schema.json",
+        ]);
         tree.iter().any(|path| is_named(&path) || path.trim_end_matches('/') == word)
             || is_result.into_iter().any(|name| name == word)
             || is_snapshot_name(word)
@@ -246,7 +251,7 @@ fn check_command(command: &str) {
     let out = scratch.path().join("out");
     let out = out.to_str().expect("text");
     // A file without folder is one that the reader has written: a template, or a bundled case that the page shows.
-    let own = rest.iter().find(|word| word.ends_with(".toml") && !word.contains('/'));
+    let own = rest.first().filter(|word| word.ends_with(".toml") && !word.contains('/'));
     if let Some(own) = own.filter(|_| takes_case) {
         write_own_case(scratch.path(), own);
     }

@@ -526,7 +526,12 @@ fn bundled_cases_are_used_by_name() {
     let (text, _) = run_with_exit_code(0, &here, "cases show noncoaxiality-bound");
     let path = "cases/granular-flow/noncoaxiality-bound.toml";
     let bundled = wellposed::CASES.iter().find(|(own, _)| *own == path).unwrap();
-    assert_eq!(text, bundled.1);
+    // The schema for editors is above the folders of bundled cases, and beside a file that the reader writes.
+    let beside = bundled.1.replace("#:schema ../", "#:schema ./");
+    assert!(text == beside && text.starts_with("#:schema ./wellposed.schema.json\n"), "{text}");
+    for (path, text) in wellposed::CASES {
+        assert!(text.starts_with("#:schema ../wellposed.schema.json\n"), "{path}");
+    }
     // A file takes precedence over a bundled case.
     fs::write(here.join("decay"), text.replace("title = ", "title = \"mine\" # ")).unwrap();
     let (stdout, _) = run_with_exit_code(0, &here, "point decay --dry-run --out mine");
@@ -536,6 +541,8 @@ fn bundled_cases_are_used_by_name() {
     let copied =
         fs::read_to_string(here.join("copies/granular-flow/noncoaxiality-bound.toml")).unwrap();
     assert_eq!(copied, bundled.1);
+    let schema = fs::read_to_string(here.join("copies/wellposed.schema.json")).unwrap();
+    assert_eq!(schema, run_with_exit_code(0, &here, "schema").0);
     let changed = here.join("copies/flow/decay.toml");
     fs::write(&changed, "mine").unwrap();
     let message = read_error(&here, "cases --copy copies");

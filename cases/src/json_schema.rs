@@ -4,7 +4,9 @@
 //! sweep. It rejects wrong types, numbers out of range and unknown names as well as missing and unknown keys, for each
 //! kind of model. Relations between numbers are checked by the program only.
 
+mod conditional;
 mod equations;
+mod overview;
 mod plane_waves;
 mod value_types;
 
@@ -17,8 +19,10 @@ use crate::schema::{
 };
 use crate::section_schemas::{CASE_SCHEMAS, simulation_schemas};
 use crate::value::parse_text;
+use conditional::{ConditionalSchemas, state_additional_properties};
 use equations::build_equations_schema;
 use models::registry;
+use overview::build_root_properties;
 use plane_waves::add_plane_wave_sections;
 use serde_json::{Map, Value, json};
 use toml::de::DeValue;
@@ -54,11 +58,14 @@ pub fn generate_json_schema() -> Value {
         add_simulation_sections(name, &kinds, &mut properties, &mut branches, &mut definitions);
     }
     let equations = build_equations_schema(&properties);
-    json!({
+    let root = build_root_properties(&properties, &equations, &definitions);
+    let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "wellposed case",
         "description": "A case file of wellposed. SI units; angles in degrees.",
         "type": "object",
+        "properties": root,
+        "additionalProperties": false,
         "if": build_value_condition("model", "kind", &[EQUATIONS_KIND]),
         "then": equations,
         "else": {
@@ -69,7 +76,9 @@ pub fn generate_json_schema() -> Value {
             "allOf": branches.into_if_then_list(),
         },
         "$defs": definitions,
-    })
+    });
+    state_additional_properties(&mut schema);
+    schema
 }
 
 /// Adds the sections of rheological schemes, which exclude all other sections; returns their names.
@@ -115,25 +124,6 @@ fn add_dimension_conditions(branches: &mut ConditionalSchemas) {
     // Blocks are in plane strain.
     let then = branches.requirements_under(in_model(3));
     object_entry(then, "properties").insert("block".into(), json!(false));
-}
-
-/// Conditional parts of the schema (`if`/`then`): each condition occurs once, with all its requirements.
-#[derive(Default)]
-struct ConditionalSchemas(Vec<(Value, Map<String, Value>)>);
-
-impl ConditionalSchemas {
-    /// Returns the requirements under a condition, created if absent.
-    fn requirements_under(&mut self, condition: Value) -> &mut Map<String, Value> {
-        let index = self.0.iter().position(|(own, _)| *own == condition).unwrap_or_else(|| {
-            self.0.push((condition, Map::new()));
-            self.0.len() - 1
-        });
-        &mut self.0[index].1
-    }
-
-    fn into_if_then_list(self) -> Vec<Value> {
-        self.0.into_iter().map(|(own, then)| json!({ "if": own, "then": then })).collect()
-    }
 }
 
 /// Returns the object `name` in `map`, created if absent.
@@ -351,7 +341,7 @@ fn add_simulation_sections(
                 .map(|other| other.name)
                 .collect();
             for name in [table_schema.name].into_iter().chain(table_schema.former_name) {
-                properties.entry(name).or_insert_with(|| json!({}));
+                properties.entry(name).or_insert_with(|| json!(true));
                 object_entry(then, "dependentRequired").insert(name.to_owned(), json!(needed));
                 let dependent = object_entry(object_entry(then, "dependentSchemas"), name);
                 for (other, section) in

@@ -71,8 +71,9 @@ impl ListChange {
 
 /// Cases refused by the program only, since the error depends on several items or tables: no perturbation left,
 /// duplicate receiver names, an empty list of fields, a periodic face without its opposite face, a recorded integral
-/// that is not computed, a second region `rest`, no blocks, two blocks in the same cells.
-const PROGRAM_ONLY_ERRORS: [&str; 11] = [
+/// that is not computed, a second region `rest`, no blocks, two blocks in the same cells, two points of a load path at one
+/// time, elements that are not those of the tree, unknowns and velocities that are not those of the equations.
+const PROGRAM_ONLY_ERRORS: [&str; 22] = [
     "block Empty",
     "block Shorter",
     "block Longer",
@@ -84,6 +85,17 @@ const PROGRAM_ONLY_ERRORS: [&str; 11] = [
     "receiver.#.fields Empty",
     "region Longer",
     "boundary Shorter",
+    "load_path.points Longer",
+    "rheology.element Shorter",
+    "rheology.element Longer",
+    "model.unknowns Empty",
+    "model.unknowns Shorter",
+    "model.unknowns Longer",
+    "model.unknowns TextItem",
+    "model.velocity Empty",
+    "model.velocity Shorter",
+    "model.velocity Longer",
+    "model.velocity TextItem",
 ];
 
 /// Returns the texts of all templates and resolved bundled cases, with their file names.

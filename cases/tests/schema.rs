@@ -120,6 +120,16 @@ fn json_schema_has_exactly_all_keys() {
     assert_same_names(&remove_sections(names), &collect_all_keys());
 }
 
+/// Verifies that the root of the schema, from which editors complete and explain keys, has all keys as well.
+#[test]
+fn root_of_json_schema_has_exactly_all_keys() {
+    let schema = generate_json_schema();
+    let mut names = KeyNames::new();
+    collect_properties(&schema, &schema, "", &mut names);
+    names.remove("background.value");
+    assert_same_names(&remove_sections(names), &collect_all_keys());
+}
+
 #[test]
 fn reference_page_has_exactly_all_keys() {
     let (mut names, mut section) = (KeyNames::new(), String::new());

@@ -1,10 +1,9 @@
 //! `wellposed cases`: lists, prints and copies the cases shipped with the program.
 
 use super::folder::{OutputError, create_folder, write_file};
-use super::new::check_new_file;
+use super::new::{SCHEMA_FILE, check_new_file, format_schema, is_same_file};
 use crate::case::{CASES, Case, find_bundled_case, suggest_case};
 use crate::cli::CommandError;
-use std::fs;
 use std::io::Write;
 use std::path::Path;
 
@@ -20,7 +19,7 @@ pub fn list_cases(stdout: &mut dyn Write) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Prints the text of a case.
+/// Prints the text of a case. Its first line names the schema in the folder of the case, not above it.
 ///
 /// # Errors
 /// No case has this name, or standard output cannot be written.
@@ -29,6 +28,7 @@ pub fn show_case(name: &str, stdout: &mut dyn Write) -> Result<(), CommandError>
         name: name.to_owned(),
         suggestion: suggest_case(Path::new(name)),
     })?;
+    let text = text.replacen("#:schema ../", "#:schema ./", 1);
     Ok(stdout.write_all(text.as_bytes())?)
 }
 
@@ -37,21 +37,23 @@ fn name_copy_option(error: OutputError) -> OutputError {
     OutputError { remedy: "name a folder that can be written to with --copy DIR", ..error }
 }
 
-/// Copies all cases to a folder, in subfolders as in the list, and prints the number of files.
+/// Copies all cases to a folder, in subfolders as in the list, with their schema for editors, and prints the number of
+/// cases.
 ///
 /// # Errors
 /// A file exists with another text and `force` is not set, or a file cannot be written.
 pub fn copy_cases(folder: &Path, force: bool, stdout: &mut dyn Write) -> Result<(), CommandError> {
+    let schema = format_schema();
     let files = || {
-        CASES.iter().map(|(path, text)| {
+        let cases = CASES.iter().map(|(path, text)| {
             (folder.join(path.strip_prefix("cases/").unwrap_or(path)), text.as_bytes())
-        })
+        });
+        cases.chain([(folder.join(SCHEMA_FILE), schema.as_bytes())])
     };
-    let is_same = |path: &Path, text: &[u8]| fs::read(path).is_ok_and(|found| found == text);
     // No file is written if one of them must not be.
-    let mut changed = files().filter(|(path, text)| !is_same(path, text));
+    let mut changed = files().filter(|(path, text)| !is_same_file(path, text));
     changed.try_for_each(|(path, _)| check_new_file(&path, force))?;
-    for (path, text) in files().filter(|(path, text)| !is_same(path, text)) {
+    for (path, text) in files().filter(|(path, text)| !is_same_file(path, text)) {
         if let Some(parent) = path.parent() {
             create_folder(parent).map_err(name_copy_option)?;
         }

@@ -1,6 +1,6 @@
-//! `wellposed new`: writes a commented case template.
+//! `wellposed new`: writes a commented case template, and the schema of case files for editors.
 
-use crate::case::{MediumKind, ModelKind};
+use crate::case::{MediumKind, ModelKind, generate_json_schema};
 use crate::cli::folder::{OutputError, write_file};
 use crate::cli::{CommandError, UsageError};
 use models::registry;
@@ -8,8 +8,17 @@ use std::path::{Path, PathBuf};
 
 pub use crate::case::template::{TemplateKind, generate_state_template, generate_template};
 
+/// Name of the file of the JSON Schema beside case files, which their first line names for editors.
+pub const SCHEMA_FILE: &str = "wellposed.schema.json";
+
+/// Returns the text of [`SCHEMA_FILE`], as `wellposed schema` prints it.
+pub fn format_schema() -> String {
+    format!("{:#}\n", generate_json_schema())
+}
+
 /// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`, of plane waves
-/// `granular.toml` or `porous.toml`; returns the path.
+/// `granular.toml` or `porous.toml`, and [`SCHEMA_FILE`] beside it, or in place of one of another version; returns the path
+/// of the template.
 ///
 /// # Errors
 /// The model has no template for `purpose`, the file exists and `force` is not set, the path exists and is not a regular
@@ -52,8 +61,19 @@ pub fn write_template(
         .into());
     }
     check_new_file(&path, force)?;
-    write_file(&path, generate_template(medium, purpose).as_bytes())?;
+    let text = generate_template(medium, purpose);
+    write_file(&path, format!("#:schema ./{SCHEMA_FILE}\n{text}").as_bytes())?;
+    let (schema_path, schema) = (path.with_file_name(SCHEMA_FILE), format_schema());
+    if !is_same_file(&schema_path, schema.as_bytes()) {
+        check_new_file(&schema_path, true)?;
+        write_file(&schema_path, schema.as_bytes())?;
+    }
     Ok(path)
+}
+
+/// Whether a file exists and has this text.
+pub(super) fn is_same_file(path: &Path, text: &[u8]) -> bool {
+    std::fs::read(path).is_ok_and(|found| found == text)
 }
 
 /// Checks that a file may be written: that there is none of this path, or with `force` a regular file.

@@ -17,9 +17,10 @@ pub(super) fn add_plane_wave_sections(
         let then = branches.requirements_under(json!({ "required": [table_schema.name] }));
         let own = object_entry(then, "properties");
         own.insert("model".into(), json!({ "properties": { "kind": { "const": ELASTIC_KIND } } }));
-        for other in ["yield", "joint", "initial", "initial_stress"] {
+        for other in ["yield", "joint"] {
             own.insert(other.into(), json!(false));
         }
+        own.insert("initial_stress".into(), json!({ "additionalProperties": { "const": 0 } }));
     }
     let require_any = |sections: &[&str]| {
         let each: Vec<Value> = sections.iter().map(|name| json!({ "required": [name] })).collect();

@@ -21,13 +21,6 @@ pub fn toml_to_json(value: &toml::Value) -> Value {
 
 /// Returns the paths of the bundled case files, sorted.
 pub fn bundled_case_files() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = ["blocky", "check", "cosserat", "dynamics", "flow", "granular-flow"];
-    let entries =
-        folders.iter().flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("a folder"));
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
-    files.sort();
-    assert!(files.len() >= 35);
-    files
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    wellposed_cases::CASES.iter().map(|(path, _)| root.join(path)).collect()
 }
