@@ -198,7 +198,7 @@ fn dry_run_writes_nothing() {
         let (stdout, _) = run_with_exit_code(0, &here, &format!("{verb} case.toml --dry-run"));
         assert!(stdout.contains("out/case"), "{stdout}");
     }
-    assert_eq!(list_entries(&here), ["case.toml"]);
+    assert_eq!(list_entries(&here), ["case.toml", "wellposed.schema.json"]);
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn unwritable_folder_is_refused_before_computation() {
             assert!(stderr.starts_with(start), "{stderr}");
         }
     }
-    assert_eq!(list_entries(&here), ["case.toml", "link"]);
+    assert_eq!(list_entries(&here), ["case.toml", "link", "wellposed.schema.json"]);
 }
 
 #[test]
