@@ -38,6 +38,9 @@ pub enum Error {
     /// A table cannot be created, since a row has more or fewer cells than the header.
     #[error(transparent)]
     Table(#[from] files::csv::RowLengthError),
+    /// A table of the report page cannot be read.
+    #[error("a table that cannot be read: {0}")]
+    PageTable(#[from] std::io::Error),
     /// An NPZ archive of arrays cannot be created.
     #[error(transparent)]
     Archive(#[from] files::npz::NpzError),

@@ -8,8 +8,8 @@ use wellposed::report::PictureOptions;
 #[derive(Args)]
 #[command(next_help_heading = "Pictures")]
 pub(crate) struct PictureArguments {
-    /// File formats of the pictures: png, svg, pdf, separated by commas; or none, without animations
-    #[arg(long = "pictures", value_name = "FORMATS", default_value = "png,svg", value_parser = parse_formats)]
+    /// File formats of the pictures: png, svg, pdf, and html for a page of all results; or none, without animations
+    #[arg(long = "pictures", value_name = "FORMATS", default_value = "png,svg,html", value_parser = parse_formats)]
     formats: PictureFormats,
     /// File formats of animations of snapshots: gif, apng, separated by commas; or none
     #[arg(long, value_name = "FORMATS", default_value = "gif", value_parser = parse_animations)]
@@ -26,9 +26,9 @@ pub(crate) struct PictureArguments {
     has_no_title: bool,
 }
 
-/// File formats of pictures named by an argument; empty for `none`.
+/// File formats of pictures named by an argument, each once; empty for `none`. `None` is the page.
 #[derive(Clone)]
-struct PictureFormats(Vec<FigureFormat>);
+struct PictureFormats(Vec<Option<FigureFormat>>);
 
 /// File formats of animations named by an argument; empty for `none`.
 #[derive(Clone)]
@@ -39,13 +39,16 @@ impl From<PictureArguments> for PictureOptions {
         let PictureArguments { formats, animations, size, dpi, has_no_title } = arguments;
         let figure =
             FigureOptions { size, dpi, has_heading: !has_no_title, ..FigureOptions::default() };
-        Self { formats: formats.0, figure, animations: animations.0 }
+        let has_page = formats.0.contains(&None);
+        let formats = formats.0.into_iter().flatten().collect();
+        Self { formats, has_page, figure, animations: animations.0 }
     }
 }
 
 fn parse_formats(text: &str) -> Result<PictureFormats, String> {
-    let known = [FigureFormat::Png, FigureFormat::Svg, FigureFormat::Pdf];
-    parse_list(text, &known.map(|format| (format.extension(), format))).map(PictureFormats)
+    let pictures = [FigureFormat::Png, FigureFormat::Svg, FigureFormat::Pdf];
+    let [png, svg, pdf] = pictures.map(|format| (format.extension(), Some(format)));
+    parse_list(text, &[png, svg, pdf, ("html", None)]).map(PictureFormats)
 }
 
 fn parse_animations(text: &str) -> Result<AnimationFormats, String> {
@@ -112,12 +115,13 @@ mod tests {
     fn formats_are_named_once_or_not_at_all() {
         let names = |text: &str| {
             let formats = parse_formats(text).map(|formats| formats.0);
-            formats.map(|list| list.iter().map(|own| own.extension()).collect::<Vec<_>>())
+            let name = |own: &Option<FigureFormat>| own.map_or("html", FigureFormat::extension);
+            formats.map(|list| list.iter().map(name).collect::<Vec<_>>())
         };
-        assert_eq!(names("pdf,png,pdf").unwrap(), ["pdf", "png"]);
+        assert_eq!(names("pdf,html,png,pdf").unwrap(), ["pdf", "html", "png"]);
         assert!(names("none").unwrap().is_empty());
         for wrong in ["", "gif", "png,", "none,png", "PNG"] {
-            assert!(names(wrong).unwrap_err().contains("expected png, svg, pdf"), "{wrong}");
+            assert!(names(wrong).unwrap_err().contains("expected png, svg, pdf, html"), "{wrong}");
         }
         let animations = |text: &str| parse_animations(text).map(|formats| formats.0);
         let both = [AnimationFormat::Apng, AnimationFormat::Gif];

@@ -255,6 +255,7 @@ fn compare_writes_table_report_and_pictures() {
         "compare.svg",
         "compare.txt",
         "program.json",
+        "report.html",
     ];
     assert_eq!(list_entries(&folder.join("out/a-b")), expected);
     run_with_exit_code(0, &folder, "verify out/a-b");

@@ -168,6 +168,7 @@ fn check_result_files(out: &Path) {
         "program.json",
         "receivers.csv",
         "receivers.npz",
+        "report.html",
         "run.json",
         "run.png",
         "run.svg",

@@ -24,8 +24,12 @@ impl Layouts {
         for size in [None, Some(FigureSize::MillimetresWide(85.0))] {
             let figure =
                 FigureOptions { size, lists_covering_texts: true, ..FigureOptions::default() };
-            let options =
-                PictureOptions { formats: vec![FigureFormat::Svg], figure, animations: Vec::new() };
+            let options = PictureOptions {
+                formats: vec![FigureFormat::Svg],
+                has_page: false,
+                figure,
+                animations: Vec::new(),
+            };
             draw_pictures(&pictures, &options, |name, list| {
                 let place = format!("{} {}/{name} {size:?}", case.name, R::NAME);
                 let list = String::from_utf8_lossy(list);

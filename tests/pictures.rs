@@ -36,15 +36,17 @@ snapshot_interval = 0.005
 fn small_pictures() -> PictureOptions {
     let figure = FigureOptions { dpi: Some(40.0), has_heading: false, ..FigureOptions::default() };
     let animations = vec![AnimationFormat::Gif, AnimationFormat::Apng];
-    PictureOptions { formats: vec![FigureFormat::Png, FigureFormat::Pdf], figure, animations }
+    let formats = vec![FigureFormat::Png, FigureFormat::Pdf];
+    PictureOptions { formats, has_page: true, figure, animations }
 }
 
 /// Reads the pictures of a folder by name.
 fn read_pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let is_picture = |path: &std::path::PathBuf| {
-        path.extension()
-            .is_some_and(|own| ["png", "svg", "pdf", "gif", "apng"].iter().any(|name| own == *name))
+        path.extension().is_some_and(|own| {
+            ["png", "svg", "pdf", "gif", "apng", "html"].iter().any(|name| own == *name)
+        })
     };
     entries
         .filter(is_picture)
@@ -69,6 +71,8 @@ fn check_redrawing(
     verb(&options).unwrap();
     let out = folder.path().join("out");
     let drawn = read_pictures(&out);
+    let mut names = [names, &["report.html"]].concat();
+    names.sort_unstable();
     assert_eq!(drawn.keys().map(String::as_str).collect::<Vec<_>>(), names, "{case}");
     names.iter().for_each(|name| fs::remove_file(out.join(name)).unwrap());
     let mut printed = Vec::new();
@@ -144,7 +148,7 @@ fn pictures_may_be_left_out_and_drawn_later() {
     let text = String::from_utf8(printed).unwrap();
     assert!(text.trim_end().ends_with(&format!("results: {}", out.display())), "{text}");
     cli::plot(&out, &small_pictures(), &mut Vec::new()).unwrap();
-    assert_eq!(read_pictures(&out).len(), 6);
+    assert_eq!(read_pictures(&out).len(), 7);
     let animations = PictureOptions { animations: Vec::new(), ..small_pictures() };
     cli::run_simulation(
         &Options { pictures: animations, ..options },

@@ -94,6 +94,8 @@ mod ranks;
 mod receivers;
 #[path = "references.rs"]
 mod references;
+#[path = "report_page.rs"]
+mod report_page;
 #[path = "result_folders.rs"]
 mod result_folders;
 #[path = "resume.rs"]

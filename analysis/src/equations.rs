@@ -44,17 +44,13 @@ impl EquationsWorkspace {
         model: &TextModel,
         state: &mut TextState,
     ) -> Result<EquationsAssessment, StateError> {
-        model.solve_background(state, &mut self.text)?;
-        model.check_background(state, &mut self.text)?;
+        self.linearise(model, state)?;
         if model.dimensions() == 3 {
-            model.linearise_reduced(state, &mut self.text, &mut self.space_system)?;
             let found = assess_space(&self.space_system, &mut self.space)?;
             let direction = found.direction.map(|own| own.to_vec());
             let assessment = count_eliminated(model, found.assessment);
             return Ok(EquationsAssessment { assessment, direction, plane: Some(found.plane) });
         }
-        model.linearise_reduced(state, &mut self.text, &mut self.plane.system)?;
-        self.plane.pencil.update(&self.plane.system)?;
         let is_line = model.dimensions() == 1;
         let pencil = &self.plane.pencil;
         let assessment = if is_line { assess_line(pencil) } else { growth::assess(pencil) };
@@ -68,6 +64,27 @@ impl EquationsWorkspace {
         };
         let assessment = count_eliminated(model, assessment);
         Ok(EquationsAssessment { assessment, direction, plane: None })
+    }
+
+    /// Determines the background derivatives that `state` asks for, checks that the background satisfies the equations,
+    /// and linearises them.
+    ///
+    /// # Errors
+    /// See [`StateError`].
+    pub fn linearise(
+        &mut self,
+        model: &TextModel,
+        state: &mut TextState,
+    ) -> Result<(), StateError> {
+        model.solve_background(state, &mut self.text)?;
+        model.check_background(state, &mut self.text)?;
+        if model.dimensions() == 3 {
+            model.linearise_reduced(state, &mut self.text, &mut self.space_system)?;
+        } else {
+            model.linearise_reduced(state, &mut self.text, &mut self.plane.system)?;
+            self.plane.pencil.update(&self.plane.system)?;
+        }
+        Ok(())
     }
 
     /// Supremum of Re ς over all waves of the last state, of a well-posed one, and the unit wave vector at which it is

@@ -72,6 +72,37 @@ pub(crate) fn format_shortest(number: f64) -> String {
     }
 }
 
+/// Header and first rows of a CSV table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FirstRows {
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Cells of the first rows.
+    pub rows: Vec<Vec<String>>,
+    /// Number of all rows, without the header.
+    pub row_count: usize,
+}
+
+/// Reads the header and the first `max_rows` rows of a CSV table, and counts its rows.
+///
+/// # Errors
+/// The table cannot be read, or is no table in UTF-8.
+pub fn read_first_rows(source: impl std::io::Read, max_rows: usize) -> std::io::Result<FirstRows> {
+    let texts = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(source);
+    let mut first = FirstRows { header: texts(reader.headers()?), rows: Vec::new(), row_count: 0 };
+    let mut record = csv::StringRecord::new();
+    while first.row_count < max_rows && reader.read_record(&mut record)? {
+        first.rows.push(texts(&record));
+        first.row_count += 1;
+    }
+    let mut record = csv::ByteRecord::new();
+    while reader.read_byte_record(&mut record)? {
+        first.row_count += 1;
+    }
+    Ok(first)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,6 +127,15 @@ mod tests {
         // Readers skip an empty line, which would shift all later rows up.
         let rows = vec![vec![CsvCell::from(f64::NAN)], vec![CsvCell::from(2.0)]];
         assert_eq!(format_text(&["a"], rows), "a\n\"\"\n2\n");
+    }
+
+    #[test]
+    fn first_rows_are_read_and_all_are_counted() {
+        let table = "a,b\n1,\"x, \"\"y\"\"\"\n2,\n3,z\n";
+        let found = read_first_rows(table.as_bytes(), 2).unwrap();
+        assert_eq!((found.header, found.row_count), (vec!["a".into(), "b".into()], 3));
+        assert_eq!(found.rows, [["1", "x, \"y\""], ["2", ""]]);
+        assert!(read_first_rows(&b"a\n\xff\n"[..], 2).is_err());
     }
 
     #[test]

@@ -3,12 +3,14 @@
 use super::load::load_case;
 use super::progress::{estimate_time, run_with_progress};
 use super::write::{CostEstimate, list_planned_paths, print_plan, select_folder, write_report};
+use crate::case::Case;
 use crate::cli::folder;
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
 use crate::report::format::format_count;
 use crate::study;
-use crate::study::MapOptions;
+use crate::study::{MapOptions, MapResult};
+use rayon::ThreadPool;
 use std::io::Write;
 
 /// Runs the verb `map`: assesses all points of the map of a case and writes the report.
@@ -40,8 +42,28 @@ pub fn run_map(
         return print_plan(&plan, &paths, estimate, options.format, stdout);
     }
     let pool = create_thread_pool(options.thread_count)?;
-    let found = run_with_progress(&pool, "assessing states", |on_progress| {
+    let mut found = run_with_progress(&pool, "assessing states", |on_progress| {
         study::compute_map(&case, map_options, on_progress)
     })?;
+    if options.pictures.has_page {
+        add_samples(&mut found, &case, &pool)?;
+    }
     write_report(&found, &case, &folder, options, stdout)
+}
+
+/// Computes the curves that the page shows of a map.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub(super) fn add_samples(
+    found: &mut MapResult,
+    case: &Case,
+    pool: &ThreadPool,
+) -> Result<(), CommandError> {
+    let map = &*found;
+    let samples = run_with_progress(pool, "growth curves", |on_progress| {
+        study::sample_map(case, map, on_progress)
+    })?;
+    found.samples = Some(samples);
+    Ok(())
 }

@@ -1,15 +1,17 @@
 //! `wellposed plot`: redraws the pictures of a results folder from its files.
 
 use super::load::print_hints;
+use super::map::add_samples;
 use super::progress::{DelayedProgressBar, run_with_progress};
-use super::run::{AnimationOutput, draw_animation, read_records};
+use super::run::{AnimationOutput, create_page_section, draw_animation, read_records};
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
-    AppendedFile, CASE_FILE, JOINT_ARCHIVE_FILE, OutputError, Publication, ResultFolder,
-    SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name,
+    AppendedFile, CASE_FILE, JOINT_ARCHIVE_FILE, OutputError, Publication, REPORT_PAGE_FILE,
+    ResultFolder, SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name,
 };
 use crate::cli::options::create_thread_pool;
+use crate::report::page::PagePicture;
 use crate::report::{self, PictureOptions, RenderedReport, Report};
 use crate::study::check::CheckExtent;
 use crate::study::{self, MapOptions, ProgressCallback};
@@ -61,6 +63,9 @@ pub fn plot(
             names.extend(redrawing.redraw_study(verb, &pool)?);
         }
     }
+    if names.is_empty() && options.has_page {
+        names.push(REPORT_PAGE_FILE.to_owned());
+    }
     for name in names {
         writeln!(stdout, "picture: {}", path.join(name).display())?;
     }
@@ -76,6 +81,7 @@ fn plot_run(path: &Path, options: &PictureOptions) -> Result<Option<String>, Com
         is_snapshot_name(name)
             || [FIELDS_ARCHIVE_FILE, JOINT_ARCHIVE_FILE, SNAPSHOT_LIST_FILE].contains(&name)
             || is_table.iter().any(|table| table.name() == name)
+            || (options.has_page && ["run.txt", "run.json", "joints.csv"].contains(&name))
     })?;
     let archive = folder.path().join(FIELDS_ARCHIVE_FILE);
     let bytes = files::read_regular_file(&archive)
@@ -95,7 +101,17 @@ fn plot_run(path: &Path, options: &PictureOptions) -> Result<Option<String>, Com
     }
     let pictures = report::run::create_pictures(&case, &fields, &read_records(&case, &folder)?)?;
     let mut publication = folder.start_redrawing("run");
-    stage_pictures(&mut publication, &pictures, options)?;
+    let of_page = stage_pictures(&mut publication, &pictures, options)?;
+    if options.has_page {
+        let read = |name: &str| {
+            let path = folder.path().join(name);
+            let bytes = files::read_regular_file(&path)
+                .map_err(|error| OutputError::from_read_error(&path, &error))?;
+            Ok::<_, OutputError>(String::from_utf8_lossy(&bytes).into_owned())
+        };
+        let reports = [read("run.txt")?, read("run.json")?];
+        publication.set_page_section(create_page_section(&case, &folder, &reports, &of_page)?);
+    }
     match draw_animation(&case, &folder, options)? {
         AnimationOutput::NoAnimation => {}
         AnimationOutput::AllZero(names) => {
@@ -111,12 +127,12 @@ fn plot_run(path: &Path, options: &PictureOptions) -> Result<Option<String>, Com
     Ok(options.file_names("run").next())
 }
 
-/// Draws pictures and shows the progress.
+/// Draws pictures and shows the progress; returns those of the page.
 fn stage_pictures(
     publication: &mut Publication,
     pictures: &[report::ReportPicture],
     options: &PictureOptions,
-) -> Result<(), CommandError> {
+) -> Result<Vec<PagePicture>, CommandError> {
     let file_count = (pictures.len() * options.formats.len()) as u64;
     let progress = DelayedProgressBar::new("pictures", file_count);
     let mut done = 0;
@@ -141,7 +157,13 @@ impl Redrawing<'_> {
         match verb {
             "map" => {
                 let options = self.read_map_options()?;
-                self.redraw(pool, |progress| study::compute_map(case, options, progress))
+                let compute =
+                    |progress: ProgressCallback| study::compute_map(case, options, progress);
+                let mut found = run_with_progress(pool, "map", compute)?;
+                if self.options.has_page {
+                    add_samples(&mut found, case, pool)?;
+                }
+                self.redraw_result(&found)
             }
             "point" => self.redraw(pool, |progress| study::analyse_point(case, progress)),
             "dispersion" if case.has_joints() => {
@@ -161,9 +183,12 @@ impl Redrawing<'_> {
         pool: &ThreadPool,
         compute: impl FnOnce(ProgressCallback) -> Result<R, crate::Error> + Send,
     ) -> Result<Option<String>, CommandError> {
-        let found = run_with_progress(pool, R::NAME, compute)?;
+        self.redraw_result(&run_with_progress(pool, R::NAME, compute)?)
+    }
+
+    fn redraw_result<R: Report>(&self, found: &R) -> Result<Option<String>, CommandError> {
         let path = self.folder.path().join(format!("{}.json", R::NAME));
-        let rendered = RenderedReport::new(&found, self.case)?;
+        let rendered = RenderedReport::new(found, self.case)?;
         // Texts, since numbers may change by a unit in the last place when they are parsed.
         if self.read(&path)? != rendered.json().as_bytes() {
             return Err(OutputError {
@@ -175,7 +200,10 @@ impl Redrawing<'_> {
         }
         let pictures = rendered.pictures();
         let mut publication = self.folder.start_redrawing(R::NAME);
-        stage_pictures(&mut publication, pictures, self.options)?;
+        let of_page = stage_pictures(&mut publication, pictures, self.options)?;
+        if self.options.has_page {
+            publication.set_page_section(rendered.create_page_section(&of_page)?);
+        }
         publication.publish()?;
         let first = pictures.first().map(report::ReportPicture::file_stem);
         Ok(first.and_then(|stem| self.options.file_names(stem).next()))

@@ -8,12 +8,14 @@
 mod animation;
 mod checkpoint;
 mod checkpoint_timer;
+mod page;
 mod planned_files;
 mod recorder;
 mod run_files;
 
 pub(super) use animation::{AnimationOutput, draw_animation};
 pub(super) use checkpoint::Checkpoint;
+pub(super) use page::create_page_section;
 pub(super) use run_files::read_records;
 
 use super::load::print_hints;
@@ -193,10 +195,13 @@ pub(super) fn execute_run(
                 }
             }
         }
-        rendered.write_files(pictures, |name, bytes| {
+        let of_page = rendered.write_files(pictures, |name, bytes| {
             files.write_result(name, bytes).map(drop).map_err(CommandError::from)
         })?;
-        files.finish()?;
+        let reports = [rendered.text(), rendered.json()];
+        let section =
+            pictures.has_page.then(|| create_page_section(case, folder, &reports, &of_page));
+        files.finish(section.transpose()?.as_ref())?;
     }
     print_report(&rendered, folder, pictures, format, stdout)?;
     result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))

@@ -1,6 +1,6 @@
 //! Output of reports to results folders and standard output.
 
-use super::folder::{OutputError, ResultFolder};
+use super::folder::{OutputError, REPORT_PAGE_FILE, ResultFolder};
 use super::{CommandError, Options, OutputFormat};
 use crate::case::Case;
 use crate::report::run::DisplayTime;
@@ -64,9 +64,12 @@ pub(super) fn write_report_files<R: Report>(
 ) -> Result<RenderedReport, CommandError> {
     let rendered = RenderedReport::new(report, case)?;
     let mut publication = folder.start_publication();
-    rendered.write_files(pictures, |name, bytes| {
+    let of_page = rendered.write_files(pictures, |name, bytes| {
         publication.stage_file(name, bytes).map_err(CommandError::from)
     })?;
+    if pictures.has_page {
+        publication.set_page_section(rendered.create_page_section(&of_page)?);
+    }
     publication.publish()?;
     Ok(rendered)
 }
@@ -98,7 +101,7 @@ pub(super) fn print_report(
     Ok(())
 }
 
-/// Returns the paths of the files that a verb would write: the common files and `names`, in which each picture is listed
+/// Returns the paths of the files that a verb would write: the common files, the page if it is asked for, and `names`, in which each picture is listed
 /// as PNG and SVG; its files are those of the options.
 pub(super) fn list_planned_paths(
     folder: &ResultFolder,
@@ -106,7 +109,8 @@ pub(super) fn list_planned_paths(
     pictures: &PictureOptions,
 ) -> Vec<String> {
     let common = ResultFolder::COMMON_FILE_NAMES.into_iter().map(str::to_owned);
-    let names = common.chain(select_pictures(names, pictures));
+    let page = pictures.has_page.then(|| REPORT_PAGE_FILE.to_owned());
+    let names = common.chain(page).chain(select_pictures(names, pictures));
     names.map(|name| folder.path().join(name).display().to_string()).collect()
 }
 

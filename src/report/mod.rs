@@ -9,6 +9,7 @@ pub mod dispersion;
 pub mod format;
 pub mod homogenise;
 pub mod map;
+pub mod page;
 mod picture;
 pub mod point;
 pub mod run;
@@ -17,8 +18,10 @@ pub mod speeds;
 
 use crate::Error;
 use crate::case::Case;
+use page::{InteractivePicture, PagePicture, PageSection, PageTable};
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 
 pub use data_file::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 pub use picture::{PictureOptions, ReportPicture, draw_pictures};
@@ -58,6 +61,18 @@ pub trait Report: Serialize {
     /// # Errors
     /// A table or archive cannot be created.
     fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error>;
+
+    /// Creates the data of a picture whose points can be selected on the page of the results folder; `None` if there is
+    /// no such picture.
+    ///
+    /// # Errors
+    /// The picture cannot be laid out.
+    fn create_interactive_picture(
+        &self,
+        _case: &Case,
+    ) -> Result<Option<InteractivePicture>, Error> {
+        Ok(None)
+    }
 }
 
 /// Creates the JSON report: schema version, value and units.
@@ -76,6 +91,12 @@ pub fn to_json<R: Report>(report: &R) -> Result<Value, Error> {
         all.insert("units".to_owned(), Map::from_iter(units).into());
     }
     Ok(all.into())
+}
+
+/// Returns the verdict that a JSON report states; `None` if it states none.
+pub fn find_verdict(json: &str) -> Option<String> {
+    let report: Value = serde_json::from_str(json).ok()?;
+    report["verdict"].as_str().map(str::to_owned)
 }
 
 /// Returns the names of the files that [`RenderedReport::write_files`] writes, unordered.
@@ -101,8 +122,35 @@ pub struct RenderedReport {
     json: String,
     text: String,
     pictures: Vec<ReportPicture>,
-    tables: Vec<(&'static str, Vec<u8>)>,
+    tables: Vec<RenderedTable>,
+    interactive_picture: Option<InteractivePicture>,
     ends_with_picture_path: bool,
+}
+
+/// Data file of a rendered report.
+struct RenderedTable {
+    name: &'static str,
+    bytes: Vec<u8>,
+    /// Name and unit of each column of a table; `None` for other files.
+    columns: Option<Vec<(String, Cow<'static, str>)>>,
+}
+
+impl RenderedTable {
+    fn new((name, file): (&'static str, DataFile)) -> Result<Self, Error> {
+        let columns = match &file {
+            DataFile::Table(table) => Some(table.columns.clone()),
+            DataFile::Arrays(_) | DataFile::Encoded(_) => None,
+        };
+        Ok(Self { name, bytes: file.encode()?, columns })
+    }
+
+    fn to_page_table(&self) -> Option<Result<PageTable, Error>> {
+        let columns = self.columns.as_ref()?;
+        let unit = |name: &str| {
+            columns.iter().find(|own| own.0 == name).map_or(String::new(), |own| own.1.to_string())
+        };
+        Some(PageTable::read(self.name, &self.bytes[..], unit).map_err(Error::from))
+    }
 }
 
 impl RenderedReport {
@@ -119,13 +167,15 @@ impl RenderedReport {
             tables: report
                 .create_tables(case)?
                 .into_iter()
-                .map(|(name, file)| Ok((name, file.encode()?)))
+                .map(RenderedTable::new)
                 .collect::<Result<_, Error>>()?,
+            interactive_picture: report.create_interactive_picture(case)?,
             ends_with_picture_path: R::ENDS_WITH_PICTURE_PATH,
         })
     }
 
-    /// Passes the content of all files to `put` by name, the JSON report last.
+    /// Passes the content of all files to `put` by name, the JSON report last; returns the pictures of the page, none if
+    /// there is no page.
     ///
     /// # Errors
     /// A picture cannot be drawn, or `put` fails.
@@ -133,13 +183,30 @@ impl RenderedReport {
         &self,
         options: &PictureOptions,
         mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        draw_pictures(&self.pictures, options, &mut put)?;
-        for (name, table) in &self.tables {
-            put(name, table)?;
+    ) -> Result<Vec<PagePicture>, E> {
+        let pictures = draw_pictures(&self.pictures, options, &mut put)?;
+        for RenderedTable { name, bytes, .. } in &self.tables {
+            put(name, bytes)?;
         }
         put(&format!("{}.txt", self.study_name), self.text.as_bytes())?;
-        put(&format!("{}.json", self.study_name), self.json.as_bytes())
+        put(&format!("{}.json", self.study_name), self.json.as_bytes())?;
+        Ok(pictures)
+    }
+
+    /// Creates the section of the page with these pictures.
+    ///
+    /// # Errors
+    /// A table cannot be read.
+    pub fn create_page_section(&self, pictures: &[PagePicture]) -> Result<PageSection, Error> {
+        let tables: Vec<PageTable> = self
+            .tables
+            .iter()
+            .filter_map(RenderedTable::to_page_table)
+            .collect::<Result<_, Error>>()?;
+        let verdict = find_verdict(&self.json);
+        let words = (self.text.as_str(), verdict.as_deref());
+        let interactive = self.interactive_picture.as_ref();
+        Ok(PageSection::new(self.study_name, words, pictures, interactive, &tables))
     }
 
     /// Returns the text report.

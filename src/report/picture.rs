@@ -1,5 +1,6 @@
 //! Pictures of a report, and the options with which they are drawn.
 
+use super::page::{PagePicture, embed_picture};
 use crate::Error;
 use figures::{AnimationFormat, FigureError, FigureFormat, FigureOptions, FigureOutput};
 
@@ -31,11 +32,13 @@ impl ReportPicture {
 /// File formats, size and heading of the pictures that a verb draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
-    /// File formats, each drawn once; none for no pictures and no animation.
+    /// File formats, each drawn once.
     pub formats: Vec<FigureFormat>,
+    /// Whether the page of the results folder is written, with pictures of the default size.
+    pub has_page: bool,
     /// Size and heading of all pictures; animations do not follow them.
     pub figure: FigureOptions,
-    /// File formats of animations, each drawn once; without effect if no pictures are drawn.
+    /// File formats of animations, each drawn once; without effect if neither pictures nor the page are drawn.
     pub animations: Vec<AnimationFormat>,
 }
 
@@ -43,6 +46,7 @@ impl Default for PictureOptions {
     fn default() -> Self {
         Self {
             formats: vec![FigureFormat::Png, FigureFormat::Svg],
+            has_page: true,
             figure: FigureOptions::default(),
             animations: vec![AnimationFormat::Gif],
         }
@@ -52,12 +56,12 @@ impl Default for PictureOptions {
 impl PictureOptions {
     /// Returns options with which nothing is drawn.
     pub fn no_pictures() -> Self {
-        Self { formats: Vec::new(), ..Self::default() }
+        Self { formats: Vec::new(), has_page: false, ..Self::default() }
     }
 
     /// Returns the file formats of the animations that are drawn.
     pub fn animation_formats(&self) -> &[AnimationFormat] {
-        if self.formats.is_empty() { &[] } else { &self.animations }
+        if self.formats.is_empty() && !self.has_page { &[] } else { &self.animations }
     }
 
     /// Iterates over the names of the files of a picture with the file name `stem`.
@@ -66,7 +70,7 @@ impl PictureOptions {
     }
 }
 
-/// Draws pictures and passes the files to `put` by name.
+/// Draws pictures and passes the files to `put` by name; returns the pictures of the page, none if there is no page.
 ///
 /// # Errors
 /// A picture cannot be drawn, or `put` fails.
@@ -74,12 +78,30 @@ pub fn draw_pictures<E: From<Error>>(
     pictures: &[ReportPicture],
     options: &PictureOptions,
     mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
-) -> Result<(), E> {
+) -> Result<Vec<PagePicture>, E> {
+    let mut of_page = Vec::new();
     for ReportPicture { file_stem: stem, draw_function: draw } in pictures {
+        // Files of the default size are drawn once for both.
+        let mut reusable = Vec::new();
         for (format, name) in options.formats.iter().zip(options.file_names(stem)) {
             let output = FigureOutput { format: *format, options: options.figure };
-            put(&name, &draw(output).map_err(Error::from)?)?;
+            let bytes = draw(output).map_err(Error::from)?;
+            put(&name, &bytes)?;
+            if options.has_page && options.figure == FigureOptions::default() {
+                reusable.push((*format, bytes));
+            }
+        }
+        if options.has_page {
+            let draw = |format: FigureFormat| -> Result<Vec<u8>, Error> {
+                match reusable.iter().find(|own| own.0 == format) {
+                    Some((_, bytes)) => Ok(bytes.clone()),
+                    None => Ok(draw(format.into())?),
+                }
+            };
+            let svg = draw(FigureFormat::Svg)?;
+            let element = embed_picture(stem, &svg, || draw(FigureFormat::Png))?;
+            of_page.push(PagePicture { file_stem: stem, element });
         }
     }
-    Ok(())
+    Ok(of_page)
 }

@@ -25,7 +25,7 @@ pub use compare::{ComparisonResult, compare_runs};
 pub use diagram::{DiagramResult, compute_diagram};
 pub use dispersion::{DispersionResult, compute_dispersion};
 pub use homogenise::{HomogeniseResult, homogenise};
-pub use map::{MapOptions, MapResult, check_map, compute_map};
+pub use map::{MapOptions, MapResult, check_map, compute_map, sample_map};
 pub use point::{EquationsAnalysis, FlowAnalysis, PointResult, SolidAnalysis, analyse_point};
 pub use shocks::{ShocksResult, compute_shocks};
 pub use simulate::{RunResult, simulate};

@@ -105,9 +105,17 @@ impl FlowWorkspace {
         model: &Model,
         flow: &DeformingFlow,
     ) -> Result<Assessment, AnalysisError> {
-        model.write_symbol(flow, &mut self.system);
-        self.pencil.update(&self.system)?;
+        self.linearise(model, flow)?;
         Ok(growth::assess(&self.pencil))
+    }
+
+    /// Linearises the equations about a flow and computes their dispersion pencil.
+    ///
+    /// # Errors
+    /// See [`AnalysisError`].
+    pub fn linearise(&mut self, model: &Model, flow: &DeformingFlow) -> Result<(), AnalysisError> {
+        model.write_symbol(flow, &mut self.system);
+        self.pencil.update(&self.system)
     }
 
     /// Verdict on a flow by the closed form of the model if it decides, else from the linearised equations.

@@ -13,6 +13,19 @@ use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, Legend, MARGIN, TICK_L
 use crate::picture::{INK, Picture, Point, Rectangle, clip_polyline};
 use crate::scale::{self, Tick};
 
+/// Places of the parts of a map on the page, pixels.
+struct MapLayout {
+    axes: [AxisExtent; 2],
+    ticks: [Vec<Tick>; 2],
+    range: Option<LevelRange>,
+    bar_ticks: Vec<Tick>,
+    legend: Legend,
+    /// Height of the page.
+    height: f64,
+    /// Area between the axes.
+    frame: Rectangle,
+}
+
 impl VerdictMap {
     /// Renders the map in a file format and returns the bytes of the file.
     ///
@@ -24,7 +37,18 @@ impl VerdictMap {
         output.lay_out(|| self.to_picture())?.render(output)
     }
 
-    pub(super) fn to_picture(&self) -> Result<Picture, FigureError> {
+    /// Returns the area between the axes of the figure drawn with default options: left edge, top edge, width and height,
+    /// as fractions of the width and the height of the figure. The first and last points of the axes are on its edges.
+    ///
+    /// # Errors
+    /// An axis is not a uniform grid.
+    pub fn plot_area(&self) -> Result<[f64; 4], FigureError> {
+        let MapLayout { frame, height, .. } = self.lay_out()?;
+        let width = page::width();
+        Ok([frame.left / width, frame.top / height, frame.width() / width, frame.height() / height])
+    }
+
+    fn lay_out(&self) -> Result<MapLayout, FigureError> {
         let (x, y) = (AxisExtent::from_axis(&self.x)?, AxisExtent::from_axis(&self.y)?);
         self.validate()?;
         let range = LevelRange::from_levels(self.ill_posed_levels().map(|(_, level)| level));
@@ -35,7 +59,6 @@ impl VerdictMap {
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let min_height = page::scale_height(if page::is_narrow() { 640.0 } else { 480.0 });
         let height = page::height().max(top + min_height + below).ceil();
-        let mut picture = page::create_page(height, &self.title, &self.subtitle);
 
         let bottom = height - below;
         let bar_ticks = match &range {
@@ -60,6 +83,15 @@ impl VerdictMap {
             bottom,
         };
         let x_ticks = x.ticks(&self.x, frame.width(), false);
+        let (axes, ticks) = ([x, y], [x_ticks, y_ticks]);
+        Ok(MapLayout { axes, ticks, range, bar_ticks, legend, height, frame })
+    }
+
+    pub(super) fn to_picture(&self) -> Result<Picture, FigureError> {
+        let layout = self.lay_out()?;
+        let MapLayout { axes: [x, y], ticks: [x_ticks, y_ticks], range, .. } = layout;
+        let MapLayout { bar_ticks, legend, height, frame, .. } = layout;
+        let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let place_x = |value: f64| frame.left + x.fraction(value) * frame.width();
         let place_y = |value: f64| frame.bottom - y.fraction(value) * frame.height();
 
@@ -93,7 +125,7 @@ impl VerdictMap {
         if let Some(range) = &range {
             self.draw_colour_bar(&mut picture, frame, range, &bar_ticks);
         }
-        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
+        legend.draw(&mut picture, MARGIN, frame.bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
         Ok(picture)
     }
 }

@@ -96,6 +96,31 @@ fn cells_have_expected_positions() {
     assert_eq!(dark(200, 400) + dark(950, 1400), 0);
 }
 
+/// The edges of the area between the axes are the lines of the frame in the picture.
+#[test]
+fn plot_area_is_inside_the_frame() {
+    let mut map = sample_map(4, 3);
+    map.curves.clear();
+    map.category_indices.fill(0);
+    let [left, top, width, height] = map.plot_area().unwrap();
+    let (columns, pixels) = crate::tests::decode_png(&map.draw(FigureFormat::Png).unwrap());
+    let rows = pixels.len() / (3 * columns);
+    let is_dark = |x: f64, y: f64| pixels[3 * (y as usize * columns + x as usize)] < 130;
+    let along = |count: usize, start: f64, length: f64| {
+        let end = count as f64 * (start + length);
+        [count as f64 * start, 0.5 * (count as f64 * start + end), end]
+    };
+    let ([x0, x1, x2], [y0, y1, y2]) = (along(columns, left, width), along(rows, top, height));
+    for (x, y, direction) in [(x0, y1, -1.0), (x2, y1, 1.0), (x1, y0, -1.0), (x1, y2, 1.0)] {
+        let at = |offset: f64| match y == y1 {
+            true => is_dark(x + direction * offset, y),
+            false => is_dark(x, y + direction * offset),
+        };
+        assert!(at(-1.5) || at(0.0) || at(1.5), "{x}, {y}");
+        assert!(!at(6.0) && !at(-6.0), "{x}, {y}");
+    }
+}
+
 /// A set of points on a diagonal is drawn as a line, and its share is zero.
 #[test]
 fn sets_without_area_are_drawn_as_lines() {

@@ -10,6 +10,7 @@ mod checksums;
 mod error;
 mod names;
 mod origin;
+mod page;
 mod publication;
 mod run;
 mod verify;
@@ -19,8 +20,9 @@ pub use error::OutputError;
 pub use names::{
     AppendedFile, BLOCH_FILES, CASE_FILE, CHECK_FILES, COMPARISON_FILES, DIAGRAM_FILES,
     DISPERSION_FILES, JOINT_ARCHIVE_FILE, JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES,
-    RUN_FILES, SHOCKS_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files, is_snapshot_name,
-    joint_snapshot_file_name, result_file_names, snapshot_file_name, snapshot_file_names,
+    REPORT_PAGE_FILE, RUN_FILES, SHOCKS_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files,
+    is_snapshot_name, joint_snapshot_file_name, result_file_names, snapshot_file_name,
+    snapshot_file_names,
 };
 
 pub use publication::Publication;
@@ -28,6 +30,7 @@ pub use run::{RunFolder, UnfinishedRun};
 pub use verify::{VerificationResult, verify_folder};
 
 use crate::case::{Case, MAX_FILE_SIZE};
+use crate::report::format::case_title;
 use files::FileError;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
@@ -48,6 +51,7 @@ const PUBLICATION_LOCK_TIMEOUT: Duration = Duration::from_secs(10);
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     path: PathBuf,
+    case_title: String,
     case_toml: String,
     case_without_plot_options: String,
     /// Whether results of other cases may be overwritten and finished runs restarted (`--force`).
@@ -66,7 +70,13 @@ impl ResultFolder {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
         let (text, case_without_plot_options) =
             (case.to_toml(), case.without_plot_options().to_toml());
-        let own = Self { path, case_toml: text, case_without_plot_options, can_overwrite: force };
+        let own = Self {
+            path,
+            case_title: case_title(case),
+            case_toml: text,
+            case_without_plot_options,
+            can_overwrite: force,
+        };
         if own.case_toml.len() as u64 > MAX_FILE_SIZE {
             let bytes = own.case_toml.len();
             return Err(OutputError {

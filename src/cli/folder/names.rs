@@ -9,6 +9,9 @@ pub const CASE_FILE: &str = "case.toml";
 /// Name of the file with name, version and commit of the program, and the checksum of the case.
 pub(super) const PROGRAM_FILE: &str = "program.json";
 
+/// Name of the page with the results of all verbs.
+pub const REPORT_PAGE_FILE: &str = "report.html";
+
 /// Stem of the name of the temporary file that tests whether a folder is writable.
 pub(super) const PROBE_FILE_STEM: &str = "probe";
 
@@ -233,7 +236,7 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
         .chain(CHECK_FILES)
         .chain(COMPARISON_FILES)
         .chain(RUN_FILES);
-    own.chain([Checksums::FILE_NAME])
+    own.chain([REPORT_PAGE_FILE, Checksums::FILE_NAME])
 }
 
 /// Returns whether the name is that of a file of a simulation, except for log and lock.

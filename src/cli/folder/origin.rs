@@ -14,7 +14,7 @@ pub(super) fn serialise_program_file(without_plot_options: &str) -> Vec<u8> {
 }
 
 /// Creates the content of [`PROGRAM_FILE`]: name, version and commit of the program, and the checksum of the case.
-fn describe_program(without_plot_options: &str) -> Value {
+pub(super) fn describe_program(without_plot_options: &str) -> Value {
     serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),

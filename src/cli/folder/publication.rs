@@ -1,7 +1,10 @@
 //! Publication of all files of a verb at once.
 
-use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_result_file_name};
+use super::names::{
+    CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, REPORT_PAGE_FILE, is_result_file_name,
+};
 use super::{AppendedFile, OutputError, ResultFolder, create_write_error, remove_file_if_exists};
+use crate::report::page::PageSection;
 use files::{FileDigest, StagedFile, stage_file_with};
 use std::io::Write as _;
 
@@ -22,26 +25,28 @@ pub struct Publication<'a> {
     staged_files: Vec<(String, StagedFile, FileDigest)>,
     /// Names of files to be removed at publication if they exist.
     names_to_remove: Vec<String>,
+    /// Section of the page, which is formatted at publication with those of other verbs.
+    page_section: Option<PageSection>,
 }
 
 impl ResultFolder {
     /// Starts a publication of results of the case.
     pub fn start_publication(&self) -> Publication<'_> {
-        Publication {
-            folder: self,
-            kind: PublicationKind::CaseResults,
-            staged_files: Vec::new(),
-            names_to_remove: Vec::new(),
-        }
+        self.start(PublicationKind::CaseResults)
     }
 
     /// Starts a publication of redrawn pictures of the results of a verb in this folder.
     pub fn start_redrawing(&self, verb: &'static str) -> Publication<'_> {
+        self.start(PublicationKind::RedrawnPictures { verb })
+    }
+
+    fn start(&self, kind: PublicationKind) -> Publication<'_> {
         Publication {
             folder: self,
-            kind: PublicationKind::RedrawnPictures { verb },
+            kind,
             staged_files: Vec::new(),
             names_to_remove: Vec::new(),
+            page_section: None,
         }
     }
 }
@@ -60,6 +65,21 @@ impl Publication<'_> {
         Ok(())
     }
 
+    /// Sets the section of the verb in the page.
+    pub fn set_page_section(&mut self, section: PageSection) {
+        self.page_section = Some(section);
+    }
+
+    /// Adds the page, without the sections of other verbs if the results in the folder are to be removed.
+    fn stage_page(&mut self, is_foreign: bool) -> Result<(), OutputError> {
+        let Some(section) = self.page_section.take() else { return Ok(()) };
+        let page = match is_foreign {
+            true => self.folder.format_page(&[section]),
+            false => self.folder.format_page_with(&section),
+        };
+        self.stage_file(REPORT_PAGE_FILE, &page)
+    }
+
     /// Marks one of the [`result_file_names`](super::result_file_names) for removal if it exists.
     pub fn schedule_removal(&mut self, name: &str) {
         self.names_to_remove.push(name.to_owned());
@@ -71,16 +91,18 @@ impl Publication<'_> {
     /// # Errors
     /// The folder meanwhile received other content or a run in progress, its finished run was removed, the publication
     /// lock cannot be acquired, the checksum list is damaged, or a file cannot be written or removed.
-    pub fn publish(self) -> Result<(), OutputError> {
-        let Self { folder, kind, staged_files, names_to_remove: removed_names } = self;
+    pub fn publish(mut self) -> Result<(), OutputError> {
+        let folder = self.folder;
         let _brief = folder.acquire_publication_lock()?;
         let lives = folder.has_run_lock();
-        match kind {
+        match self.kind {
             PublicationKind::CaseResults => {
-                if folder.has_foreign_results()? {
-                    if lives {
-                        return Err(folder.create_active_run_error());
-                    }
+                let is_foreign = folder.has_foreign_results()?;
+                if is_foreign && lives {
+                    return Err(folder.create_active_run_error());
+                }
+                self.stage_page(is_foreign)?;
+                if is_foreign {
                     folder.remove_results()?;
                 }
             }
@@ -89,8 +111,9 @@ impl Publication<'_> {
             {
                 return Err(folder.create_active_run_error());
             }
-            PublicationKind::RedrawnPictures { .. } => {}
+            PublicationKind::RedrawnPictures { .. } => self.stage_page(false)?,
         }
+        let Self { kind, staged_files, names_to_remove: removed_names, .. } = self;
         folder.remove_abandoned_files()?;
         if !lives && folder.path.join(FINISHED_RUN_FILE).exists() {
             // A run that was killed after it had written its last result left these files.

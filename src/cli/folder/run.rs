@@ -8,6 +8,8 @@ use super::{
 };
 use crate::case::Case;
 use crate::cli::CommandError;
+use crate::report::format::case_title;
+use crate::report::page::PageSection;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
 use files::{FileDigest, StagedFile, stage_file_with};
@@ -46,6 +48,7 @@ impl ResultFolder {
         // Only the path is known here: the folder is locked before its content is read.
         let nameless = Self {
             path: path.to_owned(),
+            case_title: String::new(),
             case_toml: String::new(),
             case_without_plot_options: String::new(),
             can_overwrite: false,
@@ -101,6 +104,7 @@ impl ResultFolder {
             (case.to_toml(), case.without_plot_options().to_toml());
         let folder = Self {
             path: path.to_owned(),
+            case_title: case_title(&case),
             case_toml: text,
             case_without_plot_options,
             can_overwrite: false,
@@ -203,7 +207,10 @@ impl ResultFolder {
         self.remove_abandoned_files()?;
         match is_foreign {
             true => self.remove_results()?,
-            false => self.remove_run_checksums()?,
+            false => {
+                self.remove_run_checksums()?;
+                self.remove_page_section("run")?;
+            }
         }
         self.write_origin()?;
         let names = list_file_names(&self.path)?;
@@ -292,16 +299,19 @@ impl<'a> RunFolder<'a> {
         remove_file_if_exists(&self.folder.path.join(name))
     }
 
-    /// Finishes the run: writes the checksums of all its files, publishes the report, and removes the checkpoint and
-    /// the run lock.
+    /// Finishes the run: writes its section of the page if there is one and the checksums of all its files, publishes the
+    /// report, and removes the checkpoint and the run lock.
     ///
     /// # Errors
     /// A file cannot be written or removed.
-    pub fn finish(self) -> Result<(), OutputError> {
+    pub fn finish(self, page_section: Option<&PageSection>) -> Result<(), OutputError> {
         let Self { folder, run_lock: lock, checksums: own, staged_report } = self;
         let _brief = folder.acquire_publication_lock()?;
         let mut checksums = folder.load_checksums_or_empty();
         own.iter().for_each(|(name, written)| checksums.insert(name, written));
+        if let Some(section) = page_section {
+            folder.write_page_with(&mut checksums, section)?;
+        }
         folder.add_current_checksums(&mut checksums, &[CASE_FILE, PROGRAM_FILE])?;
         folder.write_checksums(&checksums)?;
         if let Some(staged_report) = staged_report {

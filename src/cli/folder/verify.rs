@@ -1,7 +1,9 @@
 //! Verification of the files of a results folder against their checksums.
 
 use super::checksums::{Damage, read_checksums};
-use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, has_checksum, is_run_file_name};
+use super::names::{
+    CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, REPORT_PAGE_FILE, has_checksum, is_run_file_name,
+};
 use super::{AppendedFile, OutputError, ResultFolder, describe_missing_folder, list_file_names};
 use crate::cli::CommandError;
 use crate::cli::run::Checkpoint;
@@ -84,7 +86,7 @@ pub fn verify_folder(path: &Path) -> Result<VerificationResult, CommandError> {
 
 /// Returns whether a file gets its checksum entry only when its run finishes.
 fn has_deferred_checksum(name: &str) -> bool {
-    is_run_file_name(name) || [CASE_FILE, PROGRAM_FILE].contains(&name)
+    is_run_file_name(name) || [CASE_FILE, PROGRAM_FILE, REPORT_PAGE_FILE].contains(&name)
 }
 
 /// Compares the files of an unfinished run with its last checkpoint; returns the number of files checked.

@@ -1,5 +1,6 @@
 //! Report on the verdict over two parameters of a case.
 
+mod explorer;
 mod figure;
 mod tables;
 
@@ -7,6 +8,7 @@ use super::format::{
     CLOSED_FORM_ROUTE, VALIDITY_NOTE, case_title, format_count, format_short, format_superscript,
     format_unit_suffix,
 };
+use super::page::InteractivePicture;
 use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, ModelKind};
@@ -58,6 +60,11 @@ impl Report for MapResult {
 
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         Ok(vec![("map.csv", tables::create_table(self)), ("map.npz", tables::create_arrays(self))])
+    }
+
+    fn create_interactive_picture(&self, case: &Case) -> Result<Option<InteractivePicture>, Error> {
+        let create = |samples| explorer::create_picture(case, self, samples);
+        self.samples.as_ref().map(create).transpose()
     }
 }
 

@@ -111,6 +111,6 @@ pub(super) fn create_arrays(found: &MapResult) -> DataFile<'_> {
 }
 
 /// Returns the unit of a field of a map.
-fn unit(name: &str) -> &'static str {
+pub(super) fn unit(name: &str) -> &'static str {
     column_unit("map.csv", name).unwrap_or_default()
 }

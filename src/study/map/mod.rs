@@ -2,10 +2,12 @@
 
 mod boundaries;
 mod point_assessor;
+pub mod samples;
 pub mod summary;
 
 pub use boundaries::MapBoundaries;
 pub use point_assessor::{MapPoint, PointSpeeds, PointStatus};
+pub use samples::{MapSamples, WaveSample, sample_map};
 pub use summary::MapResult;
 
 use super::available_memory::AvailableMemory;

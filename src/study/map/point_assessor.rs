@@ -1,6 +1,7 @@
 //! Assessment of the points of a map.
 
 use super::MapOptions;
+use super::samples::WaveSample;
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, WaveNumbers, degrees_to_radians};
 use crate::setup;
 use crate::setup::solid::wave_normal;
@@ -15,6 +16,7 @@ use models::InputError;
 use models::common::parameter::Parameter;
 use models::flow::state::Background;
 use models::flow::{FlowKind, Model};
+use num_complex::Complex64;
 use serde::{Serialize, Serializer};
 
 /// Verdict at one point of a map; absent numbers are NaN, null in JSON.
@@ -268,39 +270,101 @@ impl<'a> PointAssessor<'a> {
     }
 
     /// Assesses the state at a position in units of the steps of the axes, which may lie between points.
-    pub(super) fn assess_position(&mut self, [x, y]: [f64; 2]) -> Result<MapPoint, StateError> {
-        let sweeps = [(&self.map.x, x), (&self.map.y, y)];
+    pub(super) fn assess_position(&mut self, position: [f64; 2]) -> Result<MapPoint, StateError> {
+        self.set_position(position);
         match self.case.material.kind {
-            ModelKind::Flow(kind) => {
-                for (axis, (sweep, position)) in sweeps.into_iter().enumerate() {
-                    let value = sweep.value_at(position);
-                    if !self.swept_flow.set_swept_constant(axis, value) {
-                        self.case.set_number(sweep.parameter, value);
-                    }
+            ModelKind::Flow(kind) => self.assess_flow(kind),
+            ModelKind::Solid(_) => match self.assess_solid() {
+                Err(StateError::NoResponse(_)) => {
+                    Ok(MapPoint::with_status(PointStatus::NoResponse))
                 }
-                self.assess_flow(kind)
-            }
-            ModelKind::Solid(_) => {
-                for (sweep, position) in sweeps {
-                    self.case.set_number(sweep.parameter, sweep.value_at(position));
-                }
-                match self.assess_solid() {
-                    Err(StateError::NoResponse(_)) => {
-                        Ok(MapPoint::with_status(PointStatus::NoResponse))
-                    }
-                    assessed => assessed,
-                }
-            }
-            ModelKind::Equations => {
-                for (sweep, position) in sweeps {
-                    self.case.set_number(sweep.parameter, sweep.value_at(position));
-                }
-                self.assess_equations()
-            }
+                assessed => assessed,
+            },
+            ModelKind::Equations => self.assess_equations(),
             ModelKind::Rheology => {
                 Err(StateError::Input(self.case.material.unsuitable_kind_error()))
             }
         }
+    }
+
+    /// Sets the swept numbers of a position in units of the steps of the axes.
+    fn set_position(&mut self, [x, y]: [f64; 2]) {
+        let is_flow = matches!(self.case.material.kind, ModelKind::Flow(_));
+        for (axis, (sweep, position)) in
+            [(&self.map.x, x), (&self.map.y, y)].into_iter().enumerate()
+        {
+            let value = sweep.value_at(position);
+            if !(is_flow && self.swept_flow.set_swept_constant(axis, value)) {
+                self.case.set_number(sweep.parameter, value);
+            }
+        }
+    }
+
+    /// Computes growth rates in all directions, degrees, and the roots at the wave of the case, in the state at a
+    /// position in units of the steps of the axes.
+    pub(super) fn sample_position(
+        &mut self,
+        position: [f64; 2],
+        directions_deg: &[f64],
+    ) -> Result<WaveSample, StateError> {
+        self.set_position(position);
+        let Self { case, workspace, swept_flow, equations_workspace, .. } = self;
+        let wave = case.material.numbers.wave;
+        let no_state = || StateError::Input(case.material.unsuitable_kind_error());
+        let finite = |roots| match roots {
+            PencilRoots::Regular { finite, .. } => finite,
+            PencilRoots::Singular { .. } => Vec::new(),
+        };
+        let roots_of: Box<dyn Fn(WaveNumbers) -> Result<Vec<Complex64>, StateError>> = match case
+            .material
+            .kind
+        {
+            ModelKind::Flow(kind) => {
+                let model = swept_flow.update_model(kind)?;
+                let Background::FullyDeforming(flow) = model.background(&case.to_flow_state())?
+                else {
+                    return Err(no_state());
+                };
+                workspace.linearise(model, &flow)?;
+                let workspace = &*workspace;
+                Box::new(move |wave: WaveNumbers| {
+                    let direction = degrees_to_radians(wave.direction_deg);
+                    Ok(match workspace.is_in_range(wave.wave_number) {
+                        true => finite(workspace.pencil.roots(wave.wave_number, direction)),
+                        false => Vec::new(),
+                    })
+                })
+            }
+            ModelKind::Solid(_) => {
+                let solid = setup::solid::create_solid(&case.material)?;
+                Box::new(move |wave: WaveNumbers| {
+                    Ok(solids::plane_wave_roots(&solid, wave_normal(&wave), wave.wave_number)?)
+                })
+            }
+            ModelKind::Equations => {
+                let Some(equations) = &case.equations else { return Err(no_state()) };
+                let model = &equations.model;
+                equations_workspace
+                    .linearise(model, &mut equations.state(&case.material.numbers))?;
+                let workspace = &*equations_workspace;
+                Box::new(move |wave: WaveNumbers| {
+                    let [direction, elevation] =
+                        [wave.direction_deg, wave.elevation_deg].map(degrees_to_radians);
+                    Ok(finite(workspace.roots(model, wave.wave_number, direction, elevation)?))
+                })
+            }
+            ModelKind::Rheology => return Err(no_state()),
+        };
+        let growth_rates = directions_deg.iter().map(|&direction_deg| {
+            let roots = roots_of(WaveNumbers { direction_deg, ..wave })?;
+            Ok(roots.iter().map(|root| root.re).fold(f64::NAN, f64::max))
+        });
+        Ok(WaveSample {
+            wave_number: wave.wave_number,
+            direction_deg: wave.direction_deg,
+            growth_rates: growth_rates.collect::<Result<_, StateError>>()?,
+            roots: roots_of(wave)?.iter().map(|root| [root.re, root.im]).collect(),
+        })
     }
 
     fn assess_equations(&mut self) -> Result<MapPoint, StateError> {

@@ -1,6 +1,6 @@
 //! Result of a map and its summary: counts, intervals, fastest growth.
 
-use super::{MapBoundaries, MapOptions, MapPoint, PointStatus};
+use super::{MapBoundaries, MapOptions, MapPoint, MapSamples, PointStatus};
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, SweepSpacing};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
@@ -46,6 +46,9 @@ pub struct MapResult {
     /// Requested options, with growth rates if the map sweeps the wave.
     #[serde(skip)]
     pub options: MapOptions,
+    /// Growth curves and roots at a coarse grid of points, if they were [sampled](super::sample_map), for the report page.
+    #[serde(skip)]
+    pub samples: Option<MapSamples>,
 }
 
 /// Serialises pairs of names and counts as an object.
@@ -178,6 +181,7 @@ impl MapResult {
             points,
             boundaries,
             options,
+            samples: None,
         }
     }
 }
