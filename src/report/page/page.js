@@ -87,7 +87,7 @@ for (const explorer of document.querySelectorAll(".explorer")) {
   };
   const drawCurve = sample => {
     const width = Math.min(Math.max(detail.clientWidth, 320), 704);
-    const [height, left, right, top, bottom] = [320, 96, 16, 14, 56];
+    const [height, left, right, top, bottom] = [320, 96, 24, 14, 56];
     const rates = sample.g.filter(Number.isFinite);
     let [low, high] = [Math.min(0, ...rates), Math.max(0, ...rates)];
     if (low === high) [low, high] = [-1, 1];
@@ -117,7 +117,7 @@ for (const explorer of document.querySelectorAll(".explorer")) {
     });
     create(svg, "path", { class: "rate", d: path });
     create(svg, "text", { x: (left + width - right) / 2, y: height - 8, "text-anchor": "middle" },
-      "direction of wave vector (dashed: the case)");
+      (width < 500 ? "direction" : "direction of the wave vector") + " (dashed: the case)");
     create(svg, "text", { x: 0, y: 0, "text-anchor": "middle",
       transform: `translate(16 ${(top + height - bottom) / 2}) rotate(-90)` }, "growth rate Re ς (1/s)");
   };
@@ -131,7 +131,7 @@ for (const explorer of document.querySelectorAll(".explorer")) {
     detail.replaceChildren();
     const isSame = found.every((index, axis) => index === point[axis]);
     create(detail, "h3", {}, describePlace(found));
-    create(detail, "p", {}, `${isSame ? "This point is computed" : "The nearest computed point (blue square)"}; ` +
+    create(detail, "p", {}, `${isSame ? "This point is computed" : "The nearest computed point (blue diamond)"}; ` +
       `${samples.columns.length} × ${samples.rows.length} of ${counts[0]} × ${counts[1]} points are.`);
     const sample = samples.points[at[1] * samples.columns.length + at[0]];
     if (!sample) {
