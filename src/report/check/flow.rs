@@ -104,8 +104,8 @@ impl FlowCheck {
                 case.medium().title(),
                 format_unmeasured_count(self.unmeasured_count()),
             ),
-            x_label: "initial wave number k, 1/m".to_owned(),
-            y_label: "growth or decay rate |γ|, 1/s".to_owned(),
+            x_label: "initial wave number k (1/m)".to_owned(),
+            y_label: "growth or decay rate |γ| (1/s)".to_owned(),
             spectra: self.rate_curves.iter().map(line).collect(),
             measured_points: self
                 .rate_curves
@@ -165,8 +165,8 @@ impl FlowCheck {
             subtitle: format!(
                 "the fastest growing wave of each grid: lines from the analysis, rings from the solver{without_growth}"
             ),
-            x_label: format!("its wave number k on {} points, 1/m", counts.join(", ")),
-            y_label: "growth rate γ, 1/s".to_owned(),
+            x_label: format!("its wave number k on {} points (1/m)", counts.join(", ")),
+            y_label: "growth rate γ (1/s)".to_owned(),
             spectra: self.refinements.iter().map(line).collect(),
             measured_points: self
                 .refinements
