@@ -3,10 +3,11 @@
 //!
 //! `cargo run --release --example why -- gallery/why.png`
 //!
-//! Both models start from the same velocity perturbation (wavelengths of at least an eighth of the box) on the same
-//! mean flow. The plastic potential model is ill-posed: growth rates are proportional to k², so that the shortest waves
-//! of the grid grow fastest and the solution depends on the grid. The model of Harris & Grekova is well-posed for this
-//! flow: both grids give the same solution. The verdicts in the titles are computed by the analysis.
+//! Both models start from the same velocity perturbation (wavelengths of at least an eighth of the box), on mean flows
+//! of equal stress and shear rate. The plastic potential model is ill-posed: growth rates are proportional to k², so
+//! that the shortest waves of the grid grow fastest and the solution depends on the grid. The model of Harris & Grekova
+//! is well-posed for a non-coaxiality of 20°: both grids give the same solution. The verdicts in the titles are computed
+//! by the analysis.
 
 use std::error::Error;
 use std::path::Path;
