@@ -42,7 +42,7 @@ const PROGRAM: CommandHelp = CommandHelp {
 };
 
 /// Help of all commands.
-const COMMANDS: [CommandHelp; 19] = [
+const COMMANDS: [CommandHelp; 20] = [
     CommandHelp {
         name: "map",
         examples: &[
@@ -156,6 +156,11 @@ const COMMANDS: [CommandHelp; 19] = [
             "wellposed plot out/lamb-2d",
             "after output.picture in out/lamb-2d/case.toml was changed",
         )],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "gather",
+        examples: &[("wellposed gather out/lamb-3d", "after mpirun -n 4 wellposed run lamb-3d")],
         exit_codes: &[0, 2, 130],
     },
     CommandHelp {

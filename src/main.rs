@@ -174,6 +174,13 @@ enum Verb {
         #[command(flatten)]
         pictures: PictureArguments,
     },
+    /// Join the files that several ranks have written for their cells, and draw the pictures of the run
+    Gather {
+        /// Results folder of a finished run
+        folder: PathBuf,
+        #[command(flatten)]
+        pictures: PictureArguments,
+    },
     /// Compare the files of a results folder with their checksums; exit code 1 if any is damaged
     Verify {
         /// Results folder
@@ -527,6 +534,7 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             }
         }
         Verb::Plot { folder, pictures } => cli::plot(&folder, &pictures.into(), &mut stdout)?,
+        Verb::Gather { folder, pictures } => cli::gather(&folder, &pictures.into(), &mut stdout)?,
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
         Verb::Cases { action: Some(CasesAction::Show { name }), .. } => {
             cases::show_case(&name, &mut stdout)?;

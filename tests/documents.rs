@@ -263,7 +263,7 @@ fn check_command(command: &str) {
         }
         // Folders of results or of cases do not exist.
         _ if rest.is_empty()
-            || ["compare", "resume", "plot", "verify"].contains(verb)
+            || ["compare", "resume", "plot", "gather", "verify"].contains(verb)
             || [".", "show"].contains(&rest[0]) && rest.len() == 1
             || (has_placeholder && !takes_case) =>
         {
@@ -414,7 +414,7 @@ fn commands_page_and_man_pages_are_complete() {
     let commands = help.split("Commands:\n").nth(1).expect("commands");
     let names = commands.lines().map_while(|line| line.strip_prefix("  ")?.split(' ').next());
     let names: Vec<&str> = names.filter(|name| *name != "help").collect();
-    assert_eq!(names.len(), 18, "{help}");
+    assert_eq!(names.len(), 19, "{help}");
     for name in names {
         assert!(page.contains(&format!("\n## `wellposed {name}`\n")), "{name}");
         let path = folder.path().join(format!("man1/wellposed-{name}.1"));

@@ -153,7 +153,16 @@ fn results_on_ranks_are_those_of_one_process() {
             let arguments = format!("run case.toml --out out{index} {options}");
             let (stdout, errors) = launcher.run_with_exit_code(0, &folder, ranks, &arguments);
             assert!(errors.is_empty(), "{errors:?}");
-            assert_eq!(stdout.replace(&format!("out{index}"), "one"), expected_output);
+            let lines = stdout.replace(&format!("out{index}"), "one");
+            let whole_lines = expected_output.lines().filter(|line| !line.contains("picture"));
+            assert!(lines.lines().filter(|line| !line.contains("picture")).eq(whole_lines));
+            let parts = list_parts(&folder.join(format!("out{index}")));
+            assert!((0..ranks).all(|rank| parts.contains(&format!("fields-{rank:06}.part"))));
+            run_with_exit_code(0, &folder, &format!("verify out{index}"));
+            let (_, error) = run_with_exit_code(2, &folder, &format!("plot out{index}"));
+            assert!(error.contains("wellposed gather"), "{error}");
+            run_with_exit_code(0, &folder, &format!("gather out{index} {options}"));
+            assert!(list_parts(&folder.join(format!("out{index}"))).is_empty());
             let found = read_result_files(&folder.join(format!("out{index}")));
             assert!(found.keys().eq(expected.keys()), "{launcher:?}");
             for (file, bytes) in found {
@@ -211,6 +220,13 @@ fn wrong_set_ups_end_with_one_message() {
     }
 }
 
+/// Lists the files in a folder that ranks have written for their own cells.
+fn list_parts(folder: &Path) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap().map(|own| own.unwrap().file_name());
+    let names = names.map(|name| name.to_string_lossy().into_owned());
+    names.filter(|name| name.ends_with(".part") || name.ends_with(".pvti")).collect()
+}
+
 /// Returns the processes of the program in a folder.
 fn find_processes(folder: &Path) -> Vec<u32> {
     let process = |entry: fs::DirEntry| {
@@ -242,7 +258,7 @@ fn a_killed_rank_ends_the_others_and_the_run_resumes() {
         let mut command = launcher.create_command(&folder, 3, &arguments);
         // Messages of the launcher must not fill a pipe.
         let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        wait_for_file(&folder.join("out/snapshot-00000003.vti"));
+        wait_for_file(&folder.join("out/snapshot-00000003.pvti"));
         let processes = find_processes(&fs::canonicalize(&folder).unwrap());
         assert_eq!(processes.len(), 3);
         let killed = processes[index % 3].to_string();
@@ -259,8 +275,64 @@ fn a_killed_rank_ends_the_others_and_the_run_resumes() {
             _ => {
                 let arguments = format!("resume out {WITHOUT_PICTURES}");
                 drop(launcher.run_with_exit_code(0, &folder, 2, &arguments));
+                run_with_exit_code(0, &folder, &format!("gather out {WITHOUT_PICTURES}"));
             }
         }
         assert!(read_result_files(&folder.join("out")) == expected, "{launcher:?}");
+    }
+}
+
+/// Kills one rank at a random moment, and resumes with another number of ranks or in one process, which another kill may
+/// interrupt.
+#[test]
+#[ignore = "twenty killed runs; part of .ci/long"]
+fn runs_whose_ranks_are_killed_at_any_moment_resume_with_the_same_results() {
+    let launchers = Launcher::find_all();
+    let Some(launcher) = launchers.first() else { return };
+    let cases = [solid_case(), JOINT_CASE.replace("duration = 6e-4", "duration = 3e-4")];
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    let mut random = move |count: u64| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state % count
+    };
+    for (case_index, text) in cases.into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, &format!("moments{case_index}"), &text);
+        let arguments = format!("run case.toml --threads 1 {WITHOUT_PICTURES} --out one");
+        let start = Instant::now();
+        run_with_exit_code(0, &folder, &arguments);
+        let duration = start.elapsed();
+        let expected = read_result_files(&folder.join("one"));
+        for trial in 0..10 {
+            let out = folder.join("out");
+            let _ = fs::remove_dir_all(&out);
+            let options = format!("--checkpoint-every 0 {WITHOUT_PICTURES}");
+            let mut arguments = format!("run case.toml --out out {options}");
+            for kill in 0..2 {
+                let ranks = 2 + (trial + kill) % 3;
+                let mut command = launcher.create_command(&folder, ranks, &arguments);
+                let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+                std::thread::sleep(duration.mul_f64(random(1500) as f64 / 1000.0));
+                let processes = find_processes(&fs::canonicalize(&folder).unwrap());
+                if let Some(process) = processes.get(random(4) as usize % processes.len().max(1)) {
+                    // The run may have finished meanwhile.
+                    let _ = Command::new("kill").args(["-KILL", &process.to_string()]).status();
+                }
+                let _ = wait_for_end(child);
+                if out.join("case.toml").exists() {
+                    arguments = format!("resume out {options}");
+                }
+            }
+            if !out.join("run.json").exists() {
+                match trial % 2 {
+                    0 => drop(run_with_exit_code(0, &folder, &arguments)),
+                    _ => drop(launcher.run_with_exit_code(0, &folder, 4, &arguments)),
+                }
+            }
+            run_with_exit_code(0, &folder, &format!("gather out {WITHOUT_PICTURES}"));
+            assert!(read_result_files(&out) == expected, "case {case_index}, trial {trial}");
+            run_with_exit_code(0, &folder, "verify out");
+        }
     }
 }

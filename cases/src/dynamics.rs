@@ -316,40 +316,65 @@ impl SolidRun {
             media.resize(count, 0);
             return Ok(media);
         }
+        let medium = self.medium_function();
         let mut is_used = vec![false; self.regions.len()];
-        let rest = self.regions.iter().position(|region| region.shape == RegionShape::Complement);
-        let mut index = vec![0; self.grid.dimensions()];
-        let mut centre: Vec<f64> =
-            (0..index.len()).map(|axis| self.grid.cell_centre(axis, 0)).collect();
-        for _ in 0..count {
-            let medium = self.find_region(&centre)?.or(rest);
-            let Some(medium) = medium else {
-                return Err(self.positions.key_error(
+        for cell in 0..count {
+            let medium = medium(cell)?;
+            is_used[usize::from(medium)] = true;
+            media.push(medium);
+        }
+        self.check_all_used(&is_used)?;
+        Ok(media)
+    }
+
+    /// Returns a function that computes the region index of a cell as
+    /// [`compute_cell_media`](Self::compute_cell_media) does, without a list of all cells. Its error is that two regions
+    /// contain the cell centre, or none.
+    pub fn medium_function(
+        &self,
+    ) -> Box<dyn Fn(usize) -> Result<u16, CaseError> + Send + Sync + 'static> {
+        if let Some(blocks) = &self.blocks {
+            let material = blocks.material_function();
+            return Box::new(move |cell| Ok(material(cell)));
+        }
+        if self.regions.is_empty() {
+            return Box::new(|_| Ok(0));
+        }
+        let own = self.clone();
+        let rest = own.regions.iter().position(|region| region.shape == RegionShape::Complement);
+        Box::new(move |cell| {
+            let mut remaining = cell;
+            let mut centre = Vec::with_capacity(own.grid.dimensions());
+            for (axis, count) in own.grid.cells.iter().enumerate() {
+                centre.push(own.grid.cell_centre(axis, remaining % count));
+                remaining /= count;
+            }
+            match own.find_region(&centre)?.or(rest) {
+                Some(medium) => Ok(medium as u16), // fits u16: at most MAX_REGIONS regions are read
+                None => Err(own.positions.key_error(
                     "region",
                     format!(
                         "no region contains the cell at {centre}",
                         centre = centre.to_plain_text()
                     ),
                     "add [[region]] with shape = \"rest\", or make the regions larger",
-                ));
-            };
-            is_used[medium] = true;
-            media.push(medium as u16); // fits u16: at most MAX_REGIONS regions are read
-            for axis in 0..index.len() {
-                index[axis] = (index[axis] + 1) % self.grid.cells[axis];
-                centre[axis] = self.grid.cell_centre(axis, index[axis]);
-                if index[axis] > 0 {
-                    break;
-                }
+                )),
             }
-        }
+        })
+    }
+
+    /// Checks that every region contains a cell; `is_used`: whether it does, by region.
+    ///
+    /// # Errors
+    /// A region contains no cell.
+    pub fn check_all_used(&self, is_used: &[bool]) -> Result<(), CaseError> {
         match is_used.iter().position(|is_used| !is_used) {
             Some(unused) => Err(self.positions.key_error(
                 &format!("region[{unused}]"),
                 "contains no cell centre",
                 "make it larger than a cell, move it into the grid, or remove it",
             )),
-            None => Ok(media),
+            None => Ok(()),
         }
     }
 

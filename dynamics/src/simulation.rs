@@ -22,6 +22,7 @@ mod solid;
 pub(crate) mod solver;
 mod time_steps;
 
+pub use crate::solid::snapshot::StatePart;
 pub use flow::{FlowAccount, FlowFields, FlowSimulation};
 pub use regular_times::RegularTimes;
 pub use solid::{SolidAccount, SolidFault, SolidFields, SolidSimulation};
@@ -32,7 +33,7 @@ use crate::decomposition::ThreadStartError;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// State of a simulation, sufficient to continue it bit for bit.
+/// State of a simulation, or of the part of it that a rank holds, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulationState {
     /// Number of steps done since time 0.
@@ -178,6 +179,11 @@ pub trait Simulation {
 
     /// Returns the state for a checkpoint.
     fn state(&self) -> SimulationState;
+
+    /// Returns which part of the state this process holds; `None` (flows) if there are no parts.
+    fn state_part(&self) -> Option<StatePart> {
+        None
+    }
 
     /// Restores a state without recording it; `false` if it belongs to another problem.
     fn restore(&mut self, state: &SimulationState) -> bool;

@@ -29,5 +29,6 @@ pub use atomic_write::{
     write_atomically, write_atomically_with,
 };
 pub use regular_file::{
-    FileDigest, open_regular_file, open_to_append, read_regular_file, read_regular_file_up_to,
+    DigestWriter, FileDigest, open_regular_file, open_to_append, read_regular_file,
+    read_regular_file_up_to,
 };

@@ -1,7 +1,7 @@
 //! Safe opening of untrusted paths: refuses devices, pipes and, for writing, symbolic links.
 
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use crc32fast::Hasher;
@@ -50,6 +50,38 @@ impl FileDigest {
                 Err(error) => return Err(error),
             }
         }
+    }
+}
+
+/// Writer that computes length and checksum of what is written.
+pub struct DigestWriter<W> {
+    writer: W,
+    hasher: Hasher,
+    length: u64,
+}
+
+impl<W: Write> DigestWriter<W> {
+    /// Creates a writer to `writer`.
+    pub fn new(writer: W) -> Self {
+        Self { writer, hasher: Hasher::new(), length: 0 }
+    }
+
+    /// Returns length and checksum of the bytes written so far.
+    pub fn digest(&self) -> FileDigest {
+        FileDigest { length: self.length, checksum: self.hasher.clone().finalize() }
+    }
+}
+
+impl<W: Write> Write for DigestWriter<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.writer.write(bytes)?;
+        self.hasher.update(&bytes[..count]);
+        self.length += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
     }
 }
 

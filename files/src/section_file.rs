@@ -118,6 +118,64 @@ pub fn read_sections(path: &Path) -> Result<Vec<(String, Vec<u8>)>, SectionFileE
         .map_err(|problem| SectionFileError { path: path.to_path_buf(), problem })
 }
 
+/// Passes the sections of a file to `visit` in the order of writing, without reading them into memory: name, length and
+/// content, of which `visit` may read a part. Damage to a section is reported after its visit.
+///
+/// # Errors
+/// As [`read_sections`]; also the first error of `visit`.
+pub fn visit_sections(
+    path: &Path,
+    mut visit: impl FnMut(&str, u64, &mut dyn Read) -> io::Result<()>,
+) -> Result<(), SectionFileError> {
+    let mut read = || -> Result<(), SectionFileProblem> {
+        let file = open_regular_file(path)?;
+        let length = file.metadata()?.len();
+        let reader = BufReader::with_capacity(1 << 18, file);
+        let mut reader = ChecksumReader { reader, file_hasher: Hasher::new(), remaining: length };
+        for number in 1..=read_opening(&mut reader, length)? {
+            let head = reader.read_section_head()?;
+            let (name, length) = head.ok_or(SectionFileProblem::DamagedSectionHead { number })?;
+            let mut content =
+                SectionContent { reader: &mut reader, hasher: Hasher::new(), remaining: length };
+            visit(&name, length, &mut content)?;
+            io::copy(&mut content, &mut io::sink())?;
+            let hasher = content.hasher;
+            reader.file_hasher.combine(&hasher);
+            if !reader.verify_checksum(hasher)? {
+                return Err(SectionFileProblem::DamagedSection { name });
+            }
+        }
+        let whole = reader.file_hasher.clone();
+        match reader.remaining == CHECKSUM_LENGTH as u64 && reader.verify_checksum(whole)? {
+            true => Ok(()),
+            false => Err(SectionFileProblem::DamagedFile),
+        }
+    };
+    read().map_err(|problem| SectionFileError { path: path.to_path_buf(), problem })
+}
+
+/// Reader of the content of a section.
+struct SectionContent<'a, R> {
+    reader: &'a mut ChecksumReader<R>,
+    hasher: Hasher,
+    /// Number of bytes of the content that have not been read.
+    remaining: u64,
+}
+
+impl<R: Read> Read for SectionContent<'_, R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let length = usize::try_from(self.remaining).unwrap_or(usize::MAX).min(bytes.len());
+        let count = self.reader.reader.read(&mut bytes[..length])?;
+        if count == 0 && length > 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        self.hasher.update(&bytes[..count]);
+        self.remaining -= count as u64;
+        self.reader.remaining = self.reader.remaining.saturating_sub(count as u64);
+        Ok(count)
+    }
+}
+
 fn invalid_input(reason: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, reason)
 }

@@ -8,7 +8,7 @@ use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
     AppendedFile, CASE_FILE, JOINT_ARCHIVE_FILE, OutputError, Publication, REPORT_PAGE_FILE,
-    ResultFolder, SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name,
+    ResultFolder, SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name, list_part_names,
 };
 use crate::cli::options::create_thread_pool;
 use crate::report::page::PagePicture;
@@ -52,7 +52,7 @@ pub fn plot(
     }
     let mut names = Vec::new();
     if has_results(&"run") || studies.is_empty() {
-        names.extend(plot_run(path, options)?);
+        names.extend(redraw_run(path, options)?);
     }
     if !studies.is_empty() {
         let (folder, case) = ResultFolder::open_study(path)?;
@@ -73,9 +73,20 @@ pub fn plot(
 }
 
 /// Redraws the pictures of a run; returns the name of the first.
-fn plot_run(path: &Path, options: &PictureOptions) -> Result<Option<String>, CommandError> {
+pub(super) fn redraw_run(
+    path: &Path,
+    options: &PictureOptions,
+) -> Result<Option<String>, CommandError> {
     let (folder, case) = ResultFolder::open_finished_run(path)?;
     print_hints(&case);
+    if !list_part_names(path)?.is_empty() {
+        return Err(OutputError {
+            path: path.to_owned(),
+            cause: "its fields are in parts, which several processes have written".to_owned(),
+            remedy: "join them with wellposed gather, which also draws the pictures",
+        }
+        .into());
+    }
     folder.check_files(|name| {
         let is_table = [AppendedFile::Receivers, AppendedFile::Ledger, AppendedFile::Spectrum];
         is_snapshot_name(name)

@@ -24,7 +24,7 @@ pub fn resume(
     pictures: &PictureOptions,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    let (UnfinishedRun { folder, case, run_lock: lock }, found) = prepare_resumed_run(path)?;
+    let (UnfinishedRun { folder, case, run_lock: lock }, found) = prepare_resumed_run(path, 1)?;
     let job = create_job(&case)?;
     let run = RunContext {
         case: &case,
@@ -41,11 +41,12 @@ pub fn resume(
 /// if there is one.
 pub(super) fn prepare_resumed_run(
     path: &Path,
+    rank_count: usize,
 ) -> Result<(UnfinishedRun, Option<Checkpoint>), CommandError> {
     let unfinished = ResultFolder::open_unfinished_run(path)?;
     let UnfinishedRun { folder, case, .. } = &unfinished;
     print_hints(case);
-    let plan = create_job(case)?.plan(false)?;
+    let plan = create_job(case)?.plan(false, rank_count)?;
     let found = Checkpoint::read(folder)?;
     let duration = match case.time_domain_run()? {
         TimeDomainRun::Solid(solid_run) => solid_run.time.duration,

@@ -14,8 +14,9 @@ mod recorder;
 mod run_files;
 
 pub(super) use animation::{AnimationOutput, draw_animation};
-pub(super) use checkpoint::Checkpoint;
+pub(super) use checkpoint::{Checkpoint, create_part_sections};
 pub(super) use page::create_page_section;
+pub(super) use recorder::FileRecorder;
 pub(super) use run_files::read_records;
 
 use super::load::print_hints;
@@ -33,7 +34,6 @@ use crate::study::decide_solid_verdict;
 use crate::study::simulate::{SimulationJob, create_job};
 use dynamics::decomposition::communicator::Communicator;
 use files::lock::Lock;
-use recorder::FileRecorder;
 use std::io::Write;
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ pub fn run_simulation(
     checkpoint_settings: CheckpointSettings,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    match prepare_run(options, stdout)? {
+    match prepare_run(options, 1, stdout)? {
         Some((case, folder)) => {
             execute_prepared_run(options, (&case, &folder), checkpoint_settings, None, stdout)
         }
@@ -67,15 +67,16 @@ pub fn run_simulation(
     }
 }
 
-/// Checks the case of a run and its results folder, and prints plan and warnings; `None` if that is all, by `--dry-run`.
+/// Checks the case of a run in several processes and its results folder, and prints plan and warnings; `None` if that is all, by `--dry-run`.
 pub(super) fn prepare_run(
     options: &Options,
+    rank_count: usize,
     stdout: &mut dyn Write,
 ) -> Result<Option<(Case, ResultFolder)>, CommandError> {
     let case = Case::load_simulation(&options.case_path, &options.settings)?;
     print_hints(&case);
     let job = create_job(&case)?;
-    let plan = job.plan(false)?;
+    let plan = job.plan(false, rank_count)?;
     if !options.force {
         job.refuse_excess(&plan)?;
     }
@@ -168,23 +169,35 @@ pub(super) fn execute_run(
         require_all_ranks(&**communicator, pool.is_ok())?;
     }
     let pool = pool?;
-    let result = match run.communicator {
-        None => pool.install(|| job.execute(&mut recorder)),
+    let failed =
+        |error| CommandError::from_run_error(error, &run.folder.path().display().to_string());
+    let result = match run.communicator.filter(|own| own.size() > 1) {
+        None => pool.install(|| job.execute(&mut recorder)).map_err(failed)?,
         Some(communicator) => {
-            let mut recorder = RankRecorder::new(communicator, Some(&mut recorder), is_resumed);
-            pool.install(|| job.execute(&mut recorder))
+            let folder = run.folder.path();
+            let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+            let mut recorder = RankRecorder::new(
+                communicator,
+                (run.case, folder),
+                Some(&mut recorder),
+                is_resumed,
+            );
+            let result = pool.install(|| job.execute(&mut recorder)).map_err(failed)?;
+            recorder.write_fields(&result.fields)?;
+            result
         }
     };
-    let result = result.map_err(|error| {
-        CommandError::from_run_error(error, &run.folder.path().display().to_string())
-    })?;
     for warning in result.warnings() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
     let RunContext { case, folder, pictures, .. } = run;
     let rendered = RenderedReport::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {
-        match draw_animation(case, folder, pictures)? {
+        let animation = match result.is_part {
+            true => AnimationOutput::NoAnimation,
+            false => draw_animation(case, folder, pictures)?,
+        };
+        match animation {
             AnimationOutput::NoAnimation => {}
             AnimationOutput::AllZero(names) => {
                 names.iter().try_for_each(|name| files.remove_result(name))?;

@@ -115,7 +115,11 @@ impl<'a> DataArray<'a> {
         Self { name: name.into(), axes, unit: unit.into(), values }
     }
 
-    fn add_to(&self, archive: &mut NpzWriter) -> Result<(), Error> {
+    /// Adds the array to an archive.
+    ///
+    /// # Errors
+    /// The array does not fill its axes, or another array has its name.
+    pub(crate) fn add_to(&self, archive: &mut NpzWriter) -> Result<(), Error> {
         let shape: Vec<usize> = self.axes.iter().map(|(_, length)| *length).collect();
         match &self.values {
             ArrayData::F64(values) => archive.add_f64(&self.name, &shape, values)?,

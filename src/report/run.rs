@@ -17,7 +17,7 @@ pub use archive::{create_field_arrays, create_record_arrays, read_fields};
 pub use display::DisplayTime;
 pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
-pub use snapshot::{create_image, read_snapshot};
+pub use snapshot::{create_empty_image, create_image, create_image_piece, read_snapshot};
 
 use super::format::{case_title, format_count, format_short};
 use super::{DataFile, Report, ReportPicture};
@@ -25,7 +25,7 @@ use crate::Error;
 use crate::case::flow::FlowQuantity;
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::{
-    JointSummary, OutputFields, RunRecords, RunResult, SimulationWarning, quantity_unit,
+    JointFace, JointSummary, OutputFields, RunRecords, RunResult, SimulationWarning, quantity_unit,
 };
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -80,28 +80,49 @@ impl Report for RunResult {
     }
 
     fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
-        create_pictures(case, &self.fields, &self.records)
+        match (self.is_part, case.time_domain_run()?) {
+            (true, TimeDomainRun::Solid(_)) => {
+                Ok(solid::create_record_pictures(case, &self.records))
+            }
+            _ => create_pictures(case, &self.fields, &self.records),
+        }
     }
 
     /// Creates the archives, and the table of joints; the other CSV tables are written row by row during the run.
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
-        let mut all = vec![(
-            "fields.npz",
-            DataFile::Arrays(create_field_arrays(Cow::Borrowed(&self.fields))),
-        )];
+        let mut all = Vec::new();
+        if !self.is_part {
+            let fields = create_field_arrays(Cow::Borrowed(&self.fields));
+            all.push(("fields.npz", DataFile::Arrays(fields)));
+        }
         if let Some(receivers) = &self.records.receivers {
             let arrays = create_record_arrays(Cow::Borrowed(receivers));
             all.push(("receivers.npz", DataFile::Arrays(arrays)));
         }
-        let joints = &self.fields.joint_faces;
-        if !joints.is_empty() {
-            all.push(("joints.csv", joints::create_table(joints)));
-            all.push(("joints.npz", joints::create_arrays(joints)));
-            let lines = create_joint_lines(joints, self.fields.time)?;
-            all.push(("joints.vtp", DataFile::Encoded(lines.to_bytes())));
+        if !self.is_part {
+            all.extend(create_joint_tables(&self.fields.joint_faces, self.fields.time)?);
         }
         Ok(all)
     }
+}
+
+/// Creates the files of the state of all joints at a time, s; none without joints.
+///
+/// # Errors
+/// A coordinate or the time is not finite.
+pub fn create_joint_tables(
+    joints: &[JointFace],
+    time: f64,
+) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
+    if joints.is_empty() {
+        return Ok(Vec::new());
+    }
+    let lines = create_joint_lines(joints, time)?;
+    Ok(vec![
+        ("joints.csv", joints::create_table(joints)),
+        ("joints.npz", joints::create_arrays(joints)),
+        ("joints.vtp", DataFile::Encoded(lines.to_bytes())),
+    ])
 }
 
 /// Terms of the energy ledger of a solid with their descriptions, in the order of the report.

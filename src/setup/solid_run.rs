@@ -3,6 +3,7 @@
 mod boundary;
 mod geometry;
 mod gravity;
+mod grid_part;
 mod initial;
 mod joints;
 mod pulse;
@@ -20,19 +21,21 @@ use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{
-    DomainError, Grid, PlasticStep, Problem, SHEAR_INTERVALS, Scheme, Splitting,
+    DomainError, Grid, MediumFunction, PlasticStep, Problem, SHEAR_INTERVALS, Scheme, Splitting,
 };
-use dynamics::simulation::TimeSteps;
+use dynamics::simulation::{SolverChoice, TimeSteps};
 use dynamics::solid::metric::Metric;
 pub(crate) use geometry::{cell_centre, create_probe, find_containing_cell};
+use grid_part::GridPart;
 use models::common::decimal::ToPlainText;
 use models::solid::waves::SolidField;
+use std::sync::Arc;
 
 /// Solver problem of a solid with its time steps and initial state, created from a case.
 pub(crate) struct SolidSetup<const D: usize> {
     pub(crate) problem: Problem<D>,
     pub(crate) time_steps: TimeSteps,
-    /// Fields that are initially nonzero, with their values by cell in SI units.
+    /// Fields that are initially nonzero, with their values by cell of this process in SI units.
     pub(crate) initial_fields: Vec<(SolidField, Vec<f64>)>,
 }
 
@@ -198,10 +201,13 @@ pub(crate) fn convert_scheme(chosen: case::SchemeOptions) -> Scheme {
 }
 
 impl<const D: usize> SolidSetup<D> {
+    /// Creates the problem, and the initial state of the cells of this process; `solver`: the solver of the problem, with
+    /// the ranks among which it distributes the cells.
     pub(crate) fn new(
         case: &Case,
         solid_run: &SolidRun,
         media: Vec<Medium>,
+        solver: &SolverChoice,
     ) -> Result<Self, Error> {
         ranges::check_constants(case, solid_run)?;
         let wave_range = ranges::WaveRange::new(solid_run, &media);
@@ -214,7 +220,17 @@ impl<const D: usize> SolidSetup<D> {
         });
         let steps = compute_time_steps(solid_run, &media)?;
         ranges::check_joints(solid_run, &media, steps.step)?;
-        let of_cell = solid_run.compute_cell_media()?;
+        // Of several ranks none lists the media of all cells.
+        let communicator = solver.communicator().filter(|own| own.size() > 1);
+        let (of_cell, function) = match communicator {
+            None => (solid_run.compute_cell_media()?, None),
+            Some(_) => {
+                let medium = solid_run.medium_function();
+                // All ranks check their cells below.
+                let medium = move |cell| medium(cell).unwrap_or_default();
+                (Vec::new(), Some(Arc::new(medium) as MediumFunction))
+            }
+        };
         let scheme = convert_scheme(solid_run.scheme);
         let converter = GridConverter { solid_run, first_medium: media[0].clone() };
         let boundaries: [[Boundary; 2]; D] = {
@@ -235,17 +251,11 @@ impl<const D: usize> SolidSetup<D> {
         for (index, source) in solid_run.sources.iter().enumerate() {
             sources.extend(converter.create_sources(index, source)?);
         }
-        let (acceleration, initial_stress) =
-            converter.compute_gravity_and_initial_stress::<D>(&media, &of_cell)?;
-        let layers = initial_stress.as_ref().map_or(&[][..], |(_, layers)| layers);
-        wave_range.check_gravity_and_initial_stress(&acceleration, layers)?;
-        let initial_fields = converter.create_initial_fields::<D>(case, &media, &wave_range)?;
-        let problem = Problem {
+        let mut problem = Problem {
+            medium_function: function,
             interlayers: converter.create_interlayers(steps.step)?,
             loads,
             sources,
-            acceleration,
-            initial_stress,
             integrated_fields: solid_run
                 .output
                 .integrated_components
@@ -256,8 +266,22 @@ impl<const D: usize> SolidSetup<D> {
             metric,
             ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
         };
-        problem.validate().map_err(|error| locate_domain_error(solid_run, &error))?;
-        check_initial_stress(solid_run, &problem)?;
+        let located = |error| locate_domain_error(solid_run, &error);
+        let own_cells = solver.own_cells(&problem).map_err(located)?;
+        let part = GridPart::new(&cells, &own_cells, communicator.cloned());
+        if communicator.is_some() {
+            check_media(solid_run, &part)?;
+        }
+        let (acceleration, initial_stress) = converter
+            .compute_gravity_and_initial_stress(&problem.media, |cell| {
+                problem.medium_index(cell)
+            })?;
+        let layers = initial_stress.as_ref().map_or(&[][..], |(_, layers)| layers);
+        wave_range.check_gravity_and_initial_stress(&acceleration, layers)?;
+        (problem.acceleration, problem.initial_stress) = (acceleration, initial_stress);
+        let initial_fields = converter.create_initial_fields(case, &problem, &wave_range, &part)?;
+        problem.validate().map_err(located)?;
+        check_initial_stress(solid_run, &problem, &part)?;
         Ok(Self { problem, time_steps: steps, initial_fields })
     }
 }
@@ -284,22 +308,35 @@ fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
 fn check_initial_stress<const D: usize>(
     solid_run: &SolidRun,
     problem: &Problem<D>,
+    part: &GridPart,
 ) -> Result<(), CaseError> {
     let Some((axis, layers)) = &problem.initial_stress else { return Ok(()) };
     let stride: usize = problem.grid.cells[..*axis].iter().product();
-    for (cell, &medium) in problem.cell_media.iter().enumerate() {
+    let is_beyond = |cell: usize| {
         let stress = layers[cell / stride % problem.grid.cells[*axis]];
-        if problem.media[usize::from(medium)].project(&stress).stress != stress {
-            let key = if solid_run.gravity.is_some() { "gravity" } else { "initial_stress" };
-            let found = format!(
-                "beyond yield in the cell at {}",
-                cell_centre(solid_run, cell).to_plain_text()
-            );
-            let allowed = "an initial stress within the yield set";
-            return Err(solid_run.key_error(key, found, allowed));
-        }
+        problem.media[problem.medium_index(cell)].project(&stress).stress != stress
+    };
+    let Some(cell) = part.find_first_cell(is_beyond) else { return Ok(()) };
+    let key = if solid_run.gravity.is_some() { "gravity" } else { "initial_stress" };
+    let found =
+        format!("beyond yield in the cell at {}", cell_centre(solid_run, cell).to_plain_text());
+    Err(solid_run.key_error(key, found, "an initial stress within the yield set"))
+}
+
+/// Checks that each cell of the ranks is in one region, and that each region contains a cell.
+fn check_media(solid_run: &SolidRun, part: &GridPart) -> Result<(), CaseError> {
+    let medium = solid_run.medium_function();
+    if let Some(cell) = part.find_first_cell(|cell| medium(cell).is_err()) {
+        return medium(cell).map(drop);
     }
-    Ok(())
+    let mut is_used = vec![0.0; solid_run.regions.len()];
+    if !is_used.is_empty() {
+        part.cells().filter_map(|cell| medium(cell).ok()).for_each(|own| {
+            is_used[usize::from(own)] = 1.0;
+        });
+        part.take_greatest(&mut is_used);
+    }
+    solid_run.check_all_used(&is_used.iter().map(|own| *own > 0.0).collect::<Vec<_>>())
 }
 
 /// Converter of positions and conditions of a case to cells, faces and fields of its grid.

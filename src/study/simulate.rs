@@ -20,7 +20,9 @@ pub use super::available_memory::Bytes;
 pub use cost::{Cost, CostAmount, CostExcess};
 pub use joint::{FaceRecord, JOINT_QUANTITIES, JointFace, JointQuantity, JointSummary};
 pub use plan::{ProblemSize, SimulationPlan, SimulationWarning};
-pub use recorder::{Recorder, RunProgress, StepStatistics, TableHeader, TableKind, column_unit};
+pub use recorder::{
+    OutputPart, Recorder, RunProgress, StepStatistics, TableHeader, TableKind, column_unit,
+};
 pub use run_result::{
     FieldQuantity, FinalLedger, OutputFields, RecordColumn, RecordTable, RunReceiver, RunRecords,
     RunResult, quantity_unit,
@@ -119,7 +121,7 @@ fn run_in_memory(
     on_snapshot: Option<SnapshotCallback>,
 ) -> Result<RunResult, Error> {
     let job = create_job(case)?;
-    job.plan(on_snapshot.is_none())?;
+    job.plan(on_snapshot.is_none(), 1)?;
     match job.find_ill_posedness()? {
         Some(found) if !settings.accept_ill_posed => return Err(Error::IllPosed(found)),
         _ => {}
@@ -129,12 +131,12 @@ fn run_in_memory(
 
 /// Time-domain simulation of a solid or a flow.
 pub trait SimulationJob: Sync {
-    /// Plans the computation and checks that memory suffices, including that of all snapshots if `keeps_snapshots` is
-    /// set.
+    /// Plans the computation in `rank_count` processes and checks that memory suffices for one of them, including that of
+    /// all snapshots if `keeps_snapshots` is set.
     ///
     /// # Errors
     /// Memory is short, or there are too many steps.
-    fn plan(&self, keeps_snapshots: bool) -> Result<SimulationPlan, Error>;
+    fn plan(&self, keeps_snapshots: bool, rank_count: usize) -> Result<SimulationPlan, Error>;
 
     /// Refuses a plan whose cost exceeds the limits of [`Cost::find_excess`].
     ///

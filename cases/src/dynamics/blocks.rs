@@ -139,6 +139,38 @@ impl Blocks {
         self.fill_cells_by_block(0, |block| self.blocks[block].material_index as u16)
     }
 
+    /// Returns a function that computes the index of the material of a cell, without a list of all cells: from a table of
+    /// the rectangles between all planes in which blocks begin.
+    pub fn material_function(&self) -> impl Fn(usize) -> u16 + Send + Sync + 'static {
+        let starts: [Vec<usize>; 2] = [0, 1].map(|axis| {
+            let mut starts: Vec<usize> =
+                self.blocks.iter().map(|block| block.cells[axis].start).collect();
+            starts.sort_unstable();
+            starts.dedup();
+            starts
+        });
+        let [columns, rows] = starts.each_ref().map(Vec::len);
+        let mut table = vec![0; columns * rows];
+        for block in &self.blocks {
+            let [across, along] = [0, 1].map(|axis| {
+                let index = |cell: usize| starts[axis].partition_point(|start| *start < cell);
+                index(block.cells[axis].start)..index(block.cells[axis].end)
+            });
+            for row in along {
+                // Material indices fit u16: at most MAX_REGIONS materials are read.
+                table[row * columns..][across.clone()].fill(block.material_index as u16);
+            }
+        }
+        let length = self.cells[0];
+        move |cell| {
+            let place = [cell % length, cell / length];
+            let [column, row] = [0, 1].map(|axis| {
+                starts[axis].partition_point(|start| *start <= place[axis]).saturating_sub(1)
+            });
+            table[row * columns + column]
+        }
+    }
+
     /// Computes for each axis the joint at the lower face of every cell, normal to this axis: an index into
     /// [`joints`](Self::joints), or `None` inside a block, between welded blocks and on the boundary. Both lists have
     /// one entry per cell, first axis fastest.

@@ -24,12 +24,14 @@ use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::Boundary;
 use crate::solid::domain::{Domain, SolverReal};
 use crate::solid::line::HALO;
-use crate::solid::problem::{DomainError, Problem};
+use crate::solid::problem::{DomainError, Grid, PassLimits, Problem};
 use crate::solid::region::Region;
+use crate::solid::snapshot::StatePart;
 use channels::{Channels, Disconnected};
 use communicator::Communicator;
 use models::solid::waves::SolidField;
 use ranks::{Owner, Ranks};
+use std::ops::Range;
 use std::sync::Arc;
 use threads::{SystemThreads, run_concurrently};
 
@@ -82,14 +84,16 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
 
 /// A domain decomposed into subdomains, all of this process or some of each rank.
 ///
-/// With several ranks, all of them call the same methods in the same order. Values by cell are then those of the whole
-/// grid at the root, and empty lists at other ranks; sums and places are the same at all ranks.
+/// With several ranks, all of them call the same methods in the same order. Values by cell are then those of the cells of
+/// the rank, a box of the grid; sums and places are the same at all ranks, and records of cells are complete at the root.
 pub struct DecomposedDomain<T: SolverReal, const D: usize> {
     subdomains: Vec<Subdomain<T, D>>,
     /// Permutation from the axes of the problem to those of the subdomains.
     permutation: AxisPermutation<D>,
     /// Number of cells of the whole grid along each permuted axis.
     cells: [usize; D],
+    /// Cells of the subdomains of this process along each permuted axis.
+    own_cells: [Range<usize>; D],
     /// Number of watched cells, those outside the grid included.
     watched_cell_count: usize,
     /// Ranks among which the subdomains are distributed; `None` if this process owns all of them.
@@ -158,14 +162,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         communicator: Arc<dyn Communicator>,
         threads: usize,
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
-        let grid = permutation.permute_grid(&problem.grid);
-        let is_periodic =
-            permutation.permute_axis_values(problem.boundaries.each_ref().map(is_periodic));
-        let mut counts =
-            plan::plan_rank_counts(&grid, is_periodic, problem.pass_limits(), communicator.size())?;
-        let threads = threads.clamp(1, (grid.cells[D - 1] / counts[D - 1] / HALO).max(1));
-        counts[D - 1] *= threads;
+        let RankPlan { permutation, counts, threads, .. } =
+            RankPlan::new(first_axis, problem, &communicator, threads)?;
         Self::with_permuted_subdomains(problem, permutation, counts, Some((communicator, threads)))
     }
 
@@ -238,7 +236,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         for (subdomain, channels) in subdomains.iter_mut().zip(channels) {
             subdomain.channels = channels;
         }
+        let regions = || subdomains.iter().map(|own| &own.region);
         Ok(Self {
+            own_cells: ranks::enclose_regions(regions()),
             subdomains,
             permutation,
             cells: problem.grid.cells,
@@ -295,6 +295,20 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         started
     }
 
+    /// Returns the cells of this process along each axis of the problem: those of the rank, or the whole grid.
+    pub fn own_cells(&self) -> [Range<usize>; D] {
+        self.permutation.unpermute_axis_values(self.own_cells.clone())
+    }
+
+    /// Returns the part of the state that this process holds.
+    pub fn state_part(&self) -> StatePart {
+        StatePart {
+            grid_cells: self.cells.to_vec(),
+            cells: self.own_cells.to_vec(),
+            interlayers: self.own_interlayers(),
+        }
+    }
+
     /// Returns the maximum number of steps per pass over memory; a pass reads and writes each field once.
     pub fn max_pass_steps(&self) -> usize {
         self.subdomains.first().map_or(1, |subdomain| subdomain.domain.max_pass_steps())
@@ -315,6 +329,47 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let integrals =
             self.subdomains.first().map_or(0, |subdomain| subdomain.domain.integral_count());
         self.fields().len() + integrals
+    }
+}
+
+/// Distribution of the cells of a problem over ranks.
+pub(crate) struct RankPlan<const D: usize> {
+    permutation: AxisPermutation<D>,
+    grid: Grid<D>,
+    is_periodic: [bool; D],
+    limits: PassLimits,
+    /// Numbers of subdomains along the permuted axes.
+    counts: [usize; D],
+    /// Number of subdomains of each rank, side by side along the last axis.
+    threads: usize,
+}
+
+impl<const D: usize> RankPlan<D> {
+    /// Plans the distribution for [`DecomposedDomain::with_ranks`].
+    pub(crate) fn new(
+        first_axis: usize,
+        problem: &Problem<D>,
+        communicator: &Arc<dyn Communicator>,
+        threads: usize,
+    ) -> Result<Self, DomainError> {
+        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
+        let grid = permutation.permute_grid(&problem.grid);
+        let is_periodic =
+            permutation.permute_axis_values(problem.boundaries.each_ref().map(is_periodic));
+        let limits = problem.pass_limits();
+        let mut counts = plan::plan_rank_counts(&grid, is_periodic, limits, communicator.size())?;
+        let threads = threads.clamp(1, (grid.cells[D - 1] / counts[D - 1] / HALO).max(1));
+        counts[D - 1] *= threads;
+        Ok(Self { permutation, grid, is_periodic, limits, counts, threads })
+    }
+
+    /// Returns the cells of a rank along the axes of the problem.
+    pub(crate) fn own_cells(&self, rank: usize) -> Result<[Range<usize>; D], DomainError> {
+        let plan = Decomposition::new(&self.grid, self.is_periodic, self.limits, self.counts)?;
+        let regions = plan.regions().iter().enumerate();
+        let own = regions.filter(|(index, _)| plan.owner(*index, self.threads).rank == rank);
+        let cells = ranks::enclose_regions(own.map(|(_, region)| region));
+        Ok(self.permutation.unpermute_axis_values(cells))
     }
 }
 

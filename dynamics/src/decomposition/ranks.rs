@@ -1,15 +1,16 @@
 //! Distribution of the subdomains of a domain over ranks.
 //!
 //! All ranks plan the same decomposition. A rank owns a box of subdomains, one per thread, side by side along the last
-//! axis. What concerns the whole domain is computed by all ranks together: values by cell are collected by the root, in
-//! the order of the ranks; sums are exact, and all ranks get the same ones.
+//! axis, and the values of their cells. What concerns the whole domain is computed by all ranks together: sums are exact,
+//! and all ranks get the same ones.
 
 use super::communicator::Communicator;
-use super::messages::{append_indices, append_list, take_indices, take_list};
+use super::messages::{append_indices, append_list, append_numbers, take_indices, take_list};
 use super::plan::Decomposition;
 use crate::simd::Real;
 use crate::solid::ledger::Sums;
 use crate::solid::region::Region;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Ranks among which the subdomains of a domain are distributed.
@@ -77,31 +78,50 @@ impl<const D: usize> Ranks<D> {
         decode(self.communicator.broadcast(encode(least)))
     }
 
-    /// Returns the indices `own` of the root.
-    pub(super) fn broadcast_indices<const N: usize>(&self, own: [usize; N]) -> [usize; N] {
-        let mut message = Vec::new();
-        append_indices(&mut message, &own);
-        let received = self.communicator.broadcast(message);
-        take_indices(&mut received.as_slice()).try_into().unwrap_or(own)
-    }
-
-    /// Returns, by subdomain of this rank, the values of the root in those cells of the whole grid that `cells` selects
-    /// for the region of the subdomain.
-    pub(super) fn scatter_values<T: Real>(
+    /// Passes to the other ranks those values of the box `cells` of this rank that their halos hold, and those of the
+    /// other ranks to `take`, by cell of each of the regions of this rank: number of the region, cell of it, value.
+    pub(super) fn exchange_halos<T: Real>(
         &self,
+        cells: &[Range<usize>; D],
         values: &[T],
-        cells: impl Fn(&Region<D>) -> Vec<usize>,
-    ) -> Vec<Vec<T>> {
-        let received = self.communicator.scatter(&mut |rank| {
+        mut take: impl FnMut(usize, &mut dyn Iterator<Item = (usize, T)>),
+    ) {
+        let own = self.communicator.rank();
+        let others = || (0..self.regions.len()).filter(|rank| *rank != own);
+        for rank in others() {
+            let regions = self.regions[rank].iter();
+            let needed = regions.flat_map(|region| region.cells_in_box(cells));
+            let needed = needed.filter_map(|[_, cell]| values.get(cell)).copied();
             let mut message = Vec::new();
-            for region in &self.regions[rank] {
-                let needed = cells(region).into_iter().filter_map(|cell| values.get(cell)).copied();
-                append_list(&mut message, &needed.collect::<Vec<T>>());
+            append_numbers(&mut message, &needed.collect::<Vec<T>>());
+            if !message.is_empty() {
+                self.communicator.send_any_length(rank, message);
             }
-            message
-        });
-        let mut message = received.as_slice();
-        let own = self.regions[self.communicator.rank()].iter();
-        own.map(|_| take_list(&mut message)).collect()
+        }
+        for rank in others() {
+            let cells = enclose_regions(self.regions[rank].iter());
+            let needed = || self.regions[own].iter().map(|region| region.cells_in_box(&cells));
+            if needed().flatten().next().is_none() {
+                continue;
+            }
+            let message = self.communicator.receive_any_length(rank);
+            let mut received = T::from_bytes(&message).unwrap_or_default().into_iter();
+            for (index, needed) in needed().enumerate() {
+                take(index, &mut needed.map(|[cell, _]| cell).zip(&mut received));
+            }
+        }
     }
+}
+
+/// Returns the box of the owned cells of regions side by side.
+pub(super) fn enclose_regions<'a, const D: usize>(
+    regions: impl Iterator<Item = &'a Region<D>>,
+) -> [Range<usize>; D] {
+    let own = |region: &Region<D>| std::array::from_fn(|axis| region.owned_range(axis));
+    let enclose = |one: [Range<usize>; D], other: [Range<usize>; D]| {
+        std::array::from_fn(|axis| {
+            one[axis].start.min(other[axis].start)..one[axis].end.max(other[axis].end)
+        })
+    };
+    regions.map(own).reduce(enclose).unwrap_or_else(|| std::array::from_fn(|_| 0..0))
 }

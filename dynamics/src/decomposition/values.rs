@@ -1,65 +1,57 @@
-//! Values of the whole grid from those of the subdomains: fields, output, sums, and places of invalid states.
+//! Values of the cells of a process from those of its subdomains: fields, output, sums, and places of invalid states.
 
-use super::messages::{append_list, take_list};
 use super::threads::{SystemThreads, evaluate_each};
 use super::{DecomposedDomain, Subdomain};
 use crate::simd::Real;
+use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::domain::{Domain, SolverReal};
 use crate::solid::ledger::{Energy, EnergySums, Ledger, LedgerSums, Sums};
-use crate::solid::region::Region;
 use models::solid::waves::SolidField;
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
-    /// Returns the plastic dissipation by cell, J/m³; empty if no medium yields.
+    /// Returns the plastic dissipation by cell of this process, J/m³; empty if no medium yields.
     pub fn plastic_dissipation(&self) -> Vec<f64> {
-        self.permutation.unpermute(self.cell_sums().swap_remove(0))
+        self.own_permutation().unpermute(self.cell_sums().swap_remove(0))
     }
 
-    /// Returns the sums stored per cell, by kind of sum (see [`Domain::cell_sums`]) and cell of the whole grid.
+    /// Returns the permutation of the axes of the cells of this process.
+    pub(super) fn own_permutation(&self) -> AxisPermutation<D> {
+        self.permutation.restrict_to_box(&self.own_cells)
+    }
+
+    /// Returns the sums stored per cell, by kind of sum (see [`Domain::cell_sums`]) and cell of this process.
     pub(super) fn cell_sums(&self) -> Vec<Vec<f64>> {
         let by_subdomain: Vec<_> =
             self.subdomains.iter().map(|subdomain| subdomain.domain.cell_sums()).collect();
         let kinds = by_subdomain.first().map_or(0, Vec::len);
         (0..kinds)
-            .map(|kind| {
-                self.assemble_grid_values(by_subdomain.iter().map(|sums| sums[kind].clone()))
-            })
+            .map(|kind| self.join_values(by_subdomain.iter().map(|sums| sums[kind].clone())))
             .collect()
     }
 
-    /// Gathers values by cell of the whole grid from those of the owned cells of all subdomains; empty if no subdomain
-    /// has values, and at ranks other than the root.
-    pub(super) fn assemble_grid_values<V: Real>(
+    /// Joins values by owned cell of the subdomains to those by cell of this process; empty if no subdomain has values.
+    pub(super) fn join_values<V: Real>(
         &self,
         mut by_subdomain: impl Iterator<Item = Vec<V>>,
     ) -> Vec<V> {
-        let mut gathered = Vec::new();
-        let mut place = |region: &Region<D>, values: Vec<V>| {
-            // Any value for initialisation: all cells are overwritten.
-            let Some(first) = values.first() else { return };
-            gathered.resize(self.cells.iter().product(), *first);
-            for (cell, value) in region.owned_global_cells().into_iter().zip(values) {
-                gathered[cell] = value;
-            }
+        let is_layer = |own: &Subdomain<T, D>| {
+            (0..D - 1).all(|axis| own.region.owned_range(axis) == self.own_cells[axis])
         };
-        match &self.ranks {
-            None if self.subdomains.len() == 1 => return by_subdomain.next().unwrap_or_default(),
-            None => {
-                let regions = self.subdomains.iter().map(|subdomain| &subdomain.region);
-                regions.zip(by_subdomain).for_each(|(region, values)| place(region, values));
-            }
-            Some(ranks) => {
-                let mut own = Vec::new();
-                by_subdomain.for_each(|values| append_list(&mut own, &values));
-                ranks.communicator.gather(own, &mut |rank, message| {
-                    let mut message = message.as_slice();
-                    for region in &ranks.regions[rank] {
-                        place(region, take_list(&mut message));
-                    }
-                });
+        let mut joined = by_subdomain.next().unwrap_or_default();
+        if self.subdomains.iter().all(is_layer) {
+            by_subdomain.for_each(|values| joined.extend(values));
+            return joined;
+        }
+        // Subdomains of a single process along several axes. Any value for initialisation: all cells are overwritten.
+        let Some(&any) = joined.first() else { return joined };
+        let mut placed = vec![any; self.cells.iter().product()];
+        let lists = std::iter::once(joined).chain(by_subdomain);
+        for (Subdomain { region, .. }, values) in self.subdomains.iter().zip(lists) {
+            for (cell, value) in region.owned_global_cell_iter().zip(values) {
+                placed[cell] = value;
             }
         }
-        gathered
+        placed
     }
 
     /// Returns work and dissipation of the steps so far, J.
@@ -135,7 +127,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.find_least(locate).map(|[cell, _]| self.permutation.original_cell(cell))
     }
 
-    /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
+    /// Returns the output quantities by cell of this process (first axis fastest), see [`Domain::output_cell`].
     pub fn output_values(&self) -> Vec<Vec<f64>> {
         let evaluate_output = |domain: &Domain<T, D>| {
             let mut fields = vec![Vec::new(); self.quantity_count()];
@@ -154,21 +146,21 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let fields = 0..self.quantity_count();
         let gathered = fields.map(|field| {
             let parts = by_subdomain.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
-            self.permutation.unpermute(self.assemble_grid_values(parts))
+            self.own_permutation().unpermute(self.join_values(parts))
         });
         gathered.collect()
     }
 
-    /// Returns the stored values of a field (first axis fastest), without the completion of the step that output
+    /// Returns the stored values of a field by cell of this process (first axis fastest), without the completion of the step that output
     /// applies for alternating sweeps; `None` if there is no such field.
     pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
-        self.permuted_values(field).map(|values| self.permutation.unpermute(values))
+        self.permuted_values(field).map(|values| self.own_permutation().unpermute(values))
     }
 
-    /// Returns the stored values of a field by cell of the whole grid, with permuted axes.
+    /// Returns the stored values of a field by cell of this process, with permuted axes.
     pub(super) fn permuted_values(&self, field: SolidField) -> Option<Vec<T>> {
         let by_subdomain = self.subdomains.iter().map(|subdomain| subdomain.domain.values(field));
         let by_subdomain = by_subdomain.collect::<Option<Vec<_>>>()?;
-        Some(self.assemble_grid_values(by_subdomain.into_iter()))
+        Some(self.join_values(by_subdomain.into_iter()))
     }
 }

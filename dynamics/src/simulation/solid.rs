@@ -17,13 +17,15 @@ use crate::solid::interlayers::InterlayerFace;
 use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::probe::Probe;
 use crate::solid::problem::{DomainError, Problem};
-use crate::solid::snapshot::Snapshot;
+use crate::solid::region::Region;
+use crate::solid::snapshot::{Snapshot, StatePart};
 
 use crate::solid::domain::SolverReal;
 use models::interface::layer::FaceRecord;
 use models::solid::waves::SolidField;
 use std::cell::RefCell;
 use std::cmp::Ordering;
+use std::ops::Range;
 
 /// Maximum number of steps between two checks for non-finite energies.
 const MAX_BATCH_STEPS: usize = 64;
@@ -61,8 +63,8 @@ impl SolidAccount {
 /// Output fields of a solid: cell values, plastic dissipation and interlayers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidFields {
-    /// Values by quantity and cell (first axis fastest): all fields of the media with total stresses, then the time
-    /// integrals of the problem.
+    /// Values by quantity and cell of the process (first axis fastest): all fields of the media with total stresses, then
+    /// the time integrals of the problem.
     pub values: Vec<Vec<f64>>,
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     pub plastic_dissipation: Vec<f64>,
@@ -119,7 +121,9 @@ pub struct SolidFault {
 pub struct SolidSimulation<T: SolverReal, const D: usize> {
     problem: Problem<D>,
     time_steps: TimeSteps,
-    /// Initial values by cell of the fields that are not zero at time 0.
+    /// Cells along each axis whose values this process holds: those of the rank, or the whole grid.
+    own_cells: [Range<usize>; D],
+    /// Initial values by cell of this process, of the fields that are not zero at time 0.
     initial_values: Vec<(SolidField, Vec<f64>)>,
     /// Probes; cells are indices into `watched_cells`.
     probes: Vec<Probe>,
@@ -142,7 +146,8 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
-    /// Creates the simulation of a solid at time 0. `initial`: values by cell of fields that are not zero.
+    /// Creates the simulation of a solid at time 0. `initial`: values of fields that are not zero, by cell of this process
+    /// ([`SolverChoice::own_cells`]).
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -157,6 +162,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         watched.sort_unstable();
         watched.dedup();
         let threads = choice.thread_count::<T, D>(&problem);
+        let own_cells = choice.own_cells(&problem)?;
         let solver = T::build_solver(choice, &problem)?;
         let account = SolidAccount {
             time: 0.0,
@@ -168,6 +174,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             probes: probes.into_iter().map(|probe| probe.reindex_cells(&watched)).collect(),
             problem,
             time_steps: steps,
+            own_cells,
             initial_values: initial,
             watched_cells: watched,
             solver,
@@ -193,11 +200,28 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         for (field, values) in &self.initial_values {
             let values = values.iter().enumerate();
             let values: Vec<T> = values
-                .map(|(cell, value)| T::from_f64(self.problem.field_factor_of_cell(cell) * value))
+                .map(|(cell, value)| T::from_f64(self.field_factor_of_own_cell(cell) * value))
                 .collect();
             self.solver.set_field(*field, &values);
         }
         self.solver.initialise_interlayers();
+    }
+
+    /// Returns the ratio of the fields in a cell of this process to the physical fields.
+    fn field_factor_of_own_cell(&self, cell: usize) -> f64 {
+        let layer: usize = self.own_cells[..D - 1].iter().map(ExactSizeIterator::len).product();
+        self.problem.field_factor(self.own_cells[D - 1].start + cell / layer)
+    }
+
+    /// Returns the cells along each axis whose values this process holds.
+    pub fn own_cells(&self) -> &[Range<usize>; D] {
+        &self.own_cells
+    }
+
+    /// Iterates over the indices of the media of the cells of this process.
+    pub fn own_cell_media(&self) -> impl Iterator<Item = usize> {
+        let region = Region::from_box(self.problem.grid.cells, self.own_cells.clone());
+        region.owned_global_cell_iter().map(|cell| self.problem.medium_index(cell))
     }
 
     /// Returns the problem that is simulated.
@@ -368,7 +392,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         mut deliver: impl FnMut(f64, &[f64]) -> Result<(), E>,
     ) -> Result<(), E> {
         let width = self.solver.quantity_count();
-        let Problem { media, cell_media, .. } = &self.problem;
+        let medium = |cell: usize| &self.problem.media[self.problem.medium_index(cell)];
         let mut state = Vec::with_capacity(self.probes.len() * width);
         let size = (self.watched_cells.len() * width).max(1);
         for (index, cells) in self.records.chunks_exact(size).enumerate() {
@@ -379,7 +403,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
             }
             state.clear();
             for probe in &self.probes {
-                probe.append_values(cells, width, media, cell_media, &mut state);
+                probe.append_values(cells, width, medium, &mut state);
             }
             deliver(self.time_steps.time(step), &state)?;
         }
@@ -402,11 +426,11 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         if self.problem.has_field_factors() {
             for of_quantity in &mut values {
                 for (cell, value) in of_quantity.iter_mut().enumerate() {
-                    *value /= self.problem.field_factor_of_cell(cell);
+                    *value /= self.field_factor_of_own_cell(cell);
                 }
             }
             for (cell, value) in plastic_dissipation.iter_mut().enumerate() {
-                *value /= self.problem.field_factor_of_cell(cell).powi(2);
+                *value /= self.field_factor_of_own_cell(cell).powi(2);
             }
         }
         SolidFields {
@@ -414,7 +438,9 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
             plastic_dissipation,
             interlayers: match self.problem.interlayers.is_empty() {
                 true => Vec::new(),
-                false => self.problem.interlayer_records(&self.solver.interlayer_history()),
+                false => self
+                    .problem
+                    .interlayer_records_in(&self.own_cells, &self.solver.interlayer_history()),
             },
         }
     }
@@ -443,16 +469,36 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let fields = number_sections("field", fields.iter().map(|values| narrow(values)));
         let sums = number_sections("sums", sums.iter().map(|sums| to_bytes(sums)));
         let work = number_sections("work", work.iter().map(|parts| to_bytes(parts)));
-        let interlayers =
-            (!interlayers.is_empty()).then(|| ("interlayers".to_owned(), narrow(interlayers)));
+        let has_interlayers = !interlayers.is_empty();
+        let faces = || {
+            let StatePart { interlayers, .. } = self.solver.state_part();
+            let numbers = interlayers
+                .into_iter()
+                .flat_map(|([layer, axis, cell], variables)| [layer, axis, cell, variables]);
+            numbers.flat_map(|number| (number as u64).to_le_bytes()).collect::<Vec<u8>>()
+        };
+        let interlayers = has_interlayers.then(|| {
+            [
+                ("interlayers".to_owned(), narrow(interlayers)),
+                ("interlayer_faces".to_owned(), faces()),
+            ]
+        });
         let state = SimulationState {
             steps: *steps,
             time: self.account.time,
             initial_energy: self.account.initial_energy,
-            sections: work.chain(fields).chain(sums).chain(interlayers).collect(),
+            sections: work
+                .chain(fields)
+                .chain(sums)
+                .chain(interlayers.into_iter().flatten())
+                .collect(),
         };
         *self.saved_snapshot.borrow_mut() = Some(snapshot);
         state
+    }
+
+    fn state_part(&self) -> Option<StatePart> {
+        Some(self.solver.state_part())
     }
 
     fn restore(&mut self, state: &SimulationState) -> bool {
@@ -477,7 +523,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
                 interlayer_history: interlayers,
             })
         };
-        // An empty snapshot belongs to no problem. With several ranks, only the state of the root has fields.
+        // An empty snapshot belongs to no problem.
         let snapshot = snapshot().unwrap_or_default();
         if !self.solver.restore(&snapshot) {
             return false;

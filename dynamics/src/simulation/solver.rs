@@ -1,14 +1,15 @@
 //! Choice of the solver of a solid, and the interface through which its simulation calls it.
 
 use crate::decomposition::communicator::Communicator;
-use crate::decomposition::{DecomposedDomain, ThreadStartError};
+use crate::decomposition::{DecomposedDomain, RankPlan, ThreadStartError};
 use crate::simd::Real;
 use crate::solid::domain::SolverReal;
 use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::reference::Reference;
-use crate::solid::snapshot::Snapshot;
+use crate::solid::snapshot::{Snapshot, StatePart};
 use models::solid::waves::SolidField;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Choice of the solver of a solid.
@@ -20,8 +21,8 @@ pub enum SolverChoice {
         /// Maximum number of threads.
         threads: usize,
     },
-    /// Fused solver whose domain is distributed over ranks. All of them make the same simulation; its fields, records
-    /// and states for checkpoints are complete at the root and empty at the others.
+    /// Fused solver whose domain is distributed over ranks. All of them make the same simulation; fields and states for
+    /// checkpoints are those of the cells of the rank, and records are complete at the root and empty at the others.
     Ranks {
         /// Communication between the ranks.
         communicator: Arc<dyn Communicator>,
@@ -43,6 +44,31 @@ impl SolverChoice {
                 .clamp(1, DecomposedDomain::<T, D>::max_subdomains(problem.first_axis(), problem)),
             Self::Ranks { communicator, threads } => communicator.size() * threads,
             Self::Reference => 1,
+        }
+    }
+
+    /// Returns the communication between the ranks; `None` in a single process.
+    pub fn communicator(&self) -> Option<&Arc<dyn Communicator>> {
+        match self {
+            Self::Ranks { communicator, .. } => Some(communicator),
+            _ => None,
+        }
+    }
+
+    /// Returns the cells along each axis whose values this process will hold: those of the rank, or the whole grid.
+    ///
+    /// # Errors
+    /// [`DomainError::RankCount`] if the grid cannot be cut into as many parts as there are ranks.
+    pub fn own_cells<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+    ) -> Result<[Range<usize>; D], DomainError> {
+        match self {
+            Self::Ranks { communicator, threads } => {
+                RankPlan::new(problem.first_axis(), problem, communicator, *threads)?
+                    .own_cells(communicator.rank())
+            }
+            _ => Ok(problem.grid.cells.map(|count| 0..count)),
         }
     }
 
@@ -74,7 +100,9 @@ pub(crate) trait SolidSolver<T: Real>: Send {
     fn energy(&self) -> Energy;
     /// Work and dissipation of the steps so far, J.
     fn ledger(&self) -> Ledger;
-    /// Sets the values of a field, by cell of the problem.
+    /// Part of the state that this process holds: cells and interlayers.
+    fn state_part(&self) -> StatePart;
+    /// Sets the values of a field, by cell of this process.
     fn set_field(&mut self, field: SolidField, values: &[T]);
     /// Sets interlayer velocities to the mean of the two adjacent cells, and their stresses to zero.
     fn initialise_interlayers(&mut self);
@@ -86,12 +114,12 @@ pub(crate) trait SolidSolver<T: Real>: Send {
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
     /// Number of output quantities per cell.
     fn quantity_count(&self) -> usize;
-    /// Output values by quantity and cell of the problem.
+    /// Output values by quantity and cell of this process.
     fn output_values(&self) -> Vec<Vec<f64>>;
-    /// Plastic dissipation by cell, J/m³; empty if no medium yields.
+    /// Plastic dissipation by cell of this process, J/m³; empty if no medium yields.
     fn plastic_dissipation(&self) -> Vec<f64>;
-    /// History variables of all interlayers, in the order of
-    /// [`Problem::interlayer_faces`](crate::solid::problem::Problem::interlayer_faces).
+    /// History variables of the interlayers of this process, in the order of
+    /// [`Problem::interlayer_faces_in`](crate::solid::problem::Problem::interlayer_faces_in).
     fn interlayer_history(&self) -> Vec<T>;
     /// Selects the cells to be recorded after each step.
     fn watch_cells(&mut self, cells: &[usize]);
@@ -123,6 +151,10 @@ macro_rules! impl_solid_solver {
 
             fn ledger(&self) -> Ledger {
                 self.ledger()
+            }
+
+            fn state_part(&self) -> StatePart {
+                self.state_part()
             }
 
             fn set_field(&mut self, field: SolidField, values: &[T]) {

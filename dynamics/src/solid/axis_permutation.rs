@@ -2,10 +2,12 @@
 //! first axis of a domain is swept differently from the others, and may be any axis of the problem.
 
 use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::interlayers::Interlayers;
-use crate::solid::problem::{DomainError, Grid, Problem};
+use crate::solid::problem::{DomainError, Grid, MediumFunction, Problem};
 
 /// Permutation of the axes of a problem to those of a domain, with conversion of cell indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +82,21 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
+    /// Returns the same permutation for a box of the grid; `ranges`: cells of the box along the axes of the domain.
+    pub(crate) fn restrict_to_box(&self, ranges: &[Range<usize>; D]) -> Self {
+        let counts = ranges.each_ref().map(ExactSizeIterator::len);
+        Self { axes: self.axes, cells: self.unpermute_axis_values(counts) }
+    }
+
+    /// Reorders one value per axis of the domain to the order of the axes of the problem.
+    pub(crate) fn unpermute_axis_values<V: Clone>(&self, values: [V; D]) -> [V; D] {
+        let mut ordered = values.clone();
+        for (value, &axis) in values.into_iter().zip(&self.axes) {
+            ordered[axis] = value;
+        }
+        ordered
+    }
+
     /// Reorders one value per axis of the problem to the order of the axes of the domain.
     pub(crate) fn permute_axis_values<V: Copy>(&self, values: [V; D]) -> [V; D] {
         self.axes.map(|axis| values[axis])
@@ -149,6 +166,10 @@ impl<const D: usize> AxisPermutation<D> {
             grid: self.permute_grid(&own.grid),
             media,
             cell_media: self.permute(&own.cell_media).into_owned(),
+            medium_function: own.medium_function.clone().map(|function| {
+                let own = *self;
+                Arc::new(move |cell| function(own.original_cell(cell))) as MediumFunction
+            }),
             boundaries: self
                 .axes
                 .map(|axis| own.boundaries[axis].each_ref().map(|side| boundary(axis, side))),

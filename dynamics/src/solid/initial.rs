@@ -17,7 +17,8 @@ pub struct NonUniformLayer {
     pub densities: [f64; 2],
 }
 
-/// Returns the density of each layer normal to an axis, kg/m³; `cell_media`: medium of each cell (first axis fastest).
+/// Returns the density of each layer normal to an axis, kg/m³; `cell_media`: index of the medium of each cell (first axis
+/// fastest).
 ///
 /// # Errors
 /// A layer has several densities.
@@ -25,12 +26,12 @@ pub fn layer_densities(
     cells: &[usize],
     axis: usize,
     media: &[Medium],
-    cell_media: &[u16],
+    cell_media: impl Iterator<Item = usize>,
 ) -> Result<Vec<f64>, NonUniformLayer> {
     let stride: usize = cells[..axis].iter().product();
     let mut densities = vec![f64::NAN; cells[axis]];
-    for (cell, &medium) in cell_media.iter().enumerate() {
-        let density = media[usize::from(medium)].inertia(SolidField::Velocity(axis));
+    for (cell, medium) in cell_media.enumerate() {
+        let density = media[medium].inertia(SolidField::Velocity(axis));
         let layer_density = &mut densities[cell / stride % cells[axis]];
         if layer_density.is_nan() {
             *layer_density = density;

@@ -2,6 +2,7 @@
 
 use super::medium::Medium;
 use super::problem::Problem;
+use super::region::Region;
 use crate::simd::Real;
 use models::common::number::Number;
 use models::interface::elastic::{
@@ -363,15 +364,24 @@ impl<const D: usize> Problem<D> {
     /// Returns all faces with interlayers: by layer across the last axis, axis normal to the face, and cell above the
     /// face.
     pub fn interlayer_faces(&self) -> Vec<InterlayerFace> {
-        let (grid, layer) = (&self.grid, self.grid.faces(D - 1));
+        self.interlayer_faces_in(&self.grid.cells.map(|count| 0..count))
+    }
+
+    /// Returns the faces with interlayers at the lower faces of the cells of a box, in the same order; ranges of history
+    /// variables are those in the list of these faces.
+    pub fn interlayer_faces_in(&self, cells: &[Range<usize>; D]) -> Vec<InterlayerFace> {
+        let grid = &self.grid;
         let (mut faces, mut end) = (Vec::new(), 0);
         let across: [_; D] = std::array::from_fn(|axis| self.interlayers_across(axis));
-        for start in (0..grid.count()).step_by(layer.max(1)) {
+        for layer in cells[D - 1].clone() {
+            let mut in_layer = cells.clone();
+            in_layer[D - 1] = layer..layer + 1;
+            let in_layer = Region::from_box(grid.cells, in_layer);
             for (axis, interlayers) in across.iter().enumerate() {
                 let Some(interlayers) = interlayers else { continue };
                 let variables = interlayers.history_variables(self.media[0].pairs[axis].len());
                 let stride: usize = grid.cells[..axis].iter().product();
-                for cell in start..start + layer {
+                for cell in in_layer.owned_global_cell_iter() {
                     let plane = interlayers.plane(cell / stride % grid.cells[axis]);
                     let law =
                         plane.and_then(|plane| plane.law(face_in_plane(&grid.cells, axis, cell)));
@@ -391,6 +401,16 @@ impl<const D: usize> Problem<D> {
         &self,
         history: &[T],
     ) -> Vec<(InterlayerFace, FaceRecord<f64>)> {
+        self.interlayer_records_in(&self.grid.cells.map(|count| 0..count), history)
+    }
+
+    /// Returns the states of the faces of [`Self::interlayer_faces_in`] as [`Self::interlayer_records`] does, from the
+    /// history variables of these faces.
+    pub(crate) fn interlayer_records_in<T: Real>(
+        &self,
+        cells: &[Range<usize>; D],
+        history: &[T],
+    ) -> Vec<(InterlayerFace, FaceRecord<f64>)> {
         let record = |face: InterlayerFace| {
             let interlayers = self.interlayers_across(face.axis)?;
             let InterlayerLaw::Plane(law, _) = interlayers.laws.get(face.law)? else { return None };
@@ -399,7 +419,7 @@ impl<const D: usize> Problem<D> {
             let record = law.to_face_record(&values);
             Some((face, record))
         };
-        self.interlayer_faces().into_iter().filter_map(record).collect()
+        self.interlayer_faces_in(cells).into_iter().filter_map(record).collect()
     }
 }
 

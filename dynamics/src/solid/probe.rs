@@ -138,11 +138,11 @@ impl Probe {
     }
 
     /// Creates a probe at a point in cell `containing_cell` of a grid of `cells` cells (first axis fastest). `at`:
-    /// coordinates of the point in cells from the centre of the first cell; `cell_media`: medium of each cell.
+    /// coordinates of the point in cells from the centre of the first cell; `medium_index`: medium of a cell.
     pub fn with_interpolation(
         cells: &[usize],
         is_periodic: &[bool],
-        cell_media: &[u16],
+        medium_index: impl Fn(usize) -> usize,
         containing_cell: usize,
         at: &[f64],
     ) -> Self {
@@ -157,7 +157,7 @@ impl Probe {
         let has_one_medium = |runs: &[CellRun]| {
             box_cells(cells, runs)
                 .into_iter()
-                .all(|cell| cell_media[cell] == cell_media[containing_cell])
+                .all(|cell| medium_index(cell) == medium_index(containing_cell))
         };
         // The product of runs of one cell always qualifies.
         let Some(runs) = select_box(&along, has_one_medium) else {
@@ -192,12 +192,11 @@ impl Probe {
 
     /// Appends the `width` output quantities at the point to `all`; `values` has `width` quantities per watched cell.
     /// Interpolated stresses are projected onto the yield set of the medium.
-    pub(crate) fn append_values(
+    pub(crate) fn append_values<'a>(
         &self,
         values: &[f64],
         width: usize,
-        media: &[Medium],
-        cell_media: &[u16],
+        medium: impl Fn(usize) -> &'a Medium,
         all: &mut Vec<f64>,
     ) {
         let first = all.len();
@@ -208,7 +207,7 @@ impl Probe {
             terms.reduce(|sum, term| sum + term).unwrap_or(0.0)
         }));
         if self.stencil.len() > 1 {
-            media[usize::from(cell_media[self.containing_cell])].make_admissible(&mut all[first..]);
+            medium(self.containing_cell).make_admissible(&mut all[first..]);
         }
     }
 }

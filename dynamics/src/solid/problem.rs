@@ -11,6 +11,7 @@ use crate::solid::region::Region;
 use crate::solid::shear_steps::ShearSteps;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
+use std::sync::Arc;
 
 pub use crate::solid::shear_steps::SHEAR_INTERVALS;
 
@@ -113,6 +114,9 @@ impl Scheme {
     }
 }
 
+/// Function that returns the index of the medium of a cell (first axis fastest).
+pub type MediumFunction = Arc<dyn Fn(usize) -> u16 + Send + Sync>;
+
 /// Problem definition of a solid, from which a solver is created.
 #[derive(Clone)]
 pub struct Problem<const D: usize> {
@@ -120,8 +124,10 @@ pub struct Problem<const D: usize> {
     pub grid: Grid<D>,
     /// Media, all with the same fields except history variables.
     pub media: Vec<Medium>,
-    /// Index of the medium of each cell (first axis fastest).
+    /// Index of the medium of each cell (first axis fastest); empty if `medium_function` gives them.
     pub cell_media: Vec<u16>,
+    /// Media of the cells of a grid that no process stores as a whole.
+    pub medium_function: Option<MediumFunction>,
     /// Boundary conditions, by axis and end.
     pub boundaries: [[Boundary; 2]; D],
     /// Time step Δt, s.
@@ -162,6 +168,7 @@ impl<const D: usize> Problem<D> {
             grid,
             media,
             cell_media: of_cell,
+            medium_function: None,
             boundaries,
             step,
             scheme,
@@ -191,6 +198,15 @@ impl<const D: usize> Problem<D> {
         axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
     }
 
+    /// Returns the index of the medium of a cell.
+    pub fn medium_index(&self, cell: usize) -> usize {
+        let index = match &self.medium_function {
+            Some(function) => function(cell),
+            None => self.cell_media[cell],
+        };
+        usize::from(index)
+    }
+
     /// Returns the fields of the state: those of the media, then the history variables of all media.
     pub fn fields(&self) -> Vec<SolidField> {
         Medium::state_fields(&self.media)
@@ -207,7 +223,8 @@ impl<const D: usize> Problem<D> {
     /// Checks the problem of a region (see [`Self::restrict_to`]) as [`Self::validate`] does.
     pub(crate) fn validate_in_region(&self, region: &Region<D>) -> Result<(), DomainError> {
         let expected = region.count();
-        if expected == 0 || self.cell_media.len() != expected {
+        let stored = if self.medium_function.is_some() { 0 } else { expected };
+        if expected == 0 || self.cell_media.len() != stored {
             return Err(DomainError::CellCount { actual: self.cell_media.len(), expected });
         }
         let Some(first) = self.media.first() else { return Err(DomainError::Media) };
@@ -370,7 +387,7 @@ impl<const D: usize> Problem<D> {
         }
         let fields = &self.media[0].fields;
         let is_invalid = |source: &Source| {
-            source.cells.iter().any(|&(cell, _)| cell >= self.cell_media.len())
+            source.cells.iter().any(|&(cell, _)| cell >= region.count())
                 || source.amplitudes.iter().any(|(field, _)| !fields.contains(field))
         };
         if let Some(index) = self.sources.iter().position(is_invalid) {

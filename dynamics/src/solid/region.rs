@@ -1,6 +1,7 @@
 //! Region: a box of cells of a grid, with its halo.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A box of cells of a grid with its halo, which holds copies of neighbouring cells.
 ///
@@ -28,6 +29,11 @@ impl<const D: usize> Region<D> {
     /// Creates the region of a whole grid, without halo.
     pub fn from_grid(cells: [usize; D]) -> Self {
         Self::new(cells, cells.map(|count| 0..count), [[0; 2]; D])
+    }
+
+    /// Creates the region of a box of cells, without halo.
+    pub(crate) fn from_box(grid_cells: [usize; D], owned: [Range<usize>; D]) -> Self {
+        Self::new(grid_cells, owned, [[0; 2]; D])
     }
 
     /// Returns the coordinates of the owned cells along an axis of the whole grid.
@@ -80,6 +86,45 @@ impl<const D: usize> Region<D> {
             &std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis)),
             &self.grid_cells,
         )
+    }
+
+    /// Iterates over the same indices without a list of them.
+    pub(crate) fn global_cell_iter(&self) -> impl Iterator<Item = usize> + use<D> {
+        let along = std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis));
+        iterate_linear_indices(along.to_vec(), self.grid_cells.to_vec())
+    }
+
+    /// Iterates over the owned cells as [`owned_global_cells`](Self::owned_global_cells) lists them.
+    pub(crate) fn owned_global_cell_iter(&self) -> impl Iterator<Item = usize> + use<D> {
+        let along = std::array::from_fn::<_, D, _>(|axis| self.owned_range(axis).collect());
+        iterate_linear_indices(along.to_vec(), self.grid_cells.to_vec())
+    }
+
+    /// Returns the cells of the region, halo included, whose cells of the whole grid are in a box: by axis their
+    /// positions in the region, and in the box. Both lists are in the order of the positions.
+    fn positions_in_box(&self, cells: &[Range<usize>; D]) -> [Vec<(usize, usize)>; D] {
+        std::array::from_fn(|axis| {
+            let places = self.coordinates(axis).into_iter().enumerate();
+            let inside = places.filter(|(_, place)| cells[axis].contains(place));
+            inside.map(|(position, place)| (position, place - cells[axis].start)).collect()
+        })
+    }
+
+    /// Iterates over the cells of the region, halo included, whose cells of the whole grid are in a box, first axis
+    /// fastest: numbers in the region and in the box.
+    pub(crate) fn cells_in_box(
+        &self,
+        cells: &[Range<usize>; D],
+    ) -> impl Iterator<Item = [usize; 2]> + use<D> {
+        let positions = self.positions_in_box(cells);
+        let counts = [self.cells(), cells.each_ref().map(ExactSizeIterator::len)];
+        let [own, other] = [0, 1].map(|side| {
+            let along = positions.iter().map(|own| {
+                own.iter().map(|pair| if side == 0 { pair.0 } else { pair.1 }).collect()
+            });
+            iterate_linear_indices(along.collect(), counts[side].to_vec())
+        });
+        own.zip(other).map(|(own, other)| [own, other])
     }
 
     /// Returns the index in the whole grid of each owned cell.
@@ -183,6 +228,32 @@ fn linear_indices(along: &[Vec<usize>], cells: &[usize]) -> Vec<usize> {
     last_first.fold(vec![0], |before, (along, cells)| {
         let finer = |index: usize| along.iter().map(move |place| index * cells + place);
         before.into_iter().flat_map(finer).collect()
+    })
+}
+
+/// Iterates over the linear indices that [`linear_indices`] lists.
+fn iterate_linear_indices(
+    along: Vec<Vec<usize>>,
+    cells: Vec<usize>,
+) -> impl Iterator<Item = usize> {
+    let mut along = along.into_iter();
+    let first = along.next().unwrap_or_default();
+    let outer: Vec<Vec<usize>> = along.collect();
+    let row_count: usize = outer.iter().map(Vec::len).product();
+    let length = cells.first().copied().unwrap_or(1);
+    let row_start = move |mut row: usize| {
+        let (mut start, mut stride) = (0, length);
+        for (places, count) in outer.iter().zip(&cells[1..]) {
+            start += places[row % places.len()] * stride;
+            row /= places.len();
+            stride *= count;
+        }
+        start
+    };
+    let first = Arc::new(first);
+    (0..row_count).map(row_start).flat_map(move |start| {
+        let first = Arc::clone(&first);
+        (0..first.len()).map(move |index| start + first[index])
     })
 }
 

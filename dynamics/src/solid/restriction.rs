@@ -22,7 +22,7 @@ impl<const D: usize> Problem<D> {
     /// those of the whole problem.
     #[must_use]
     pub fn restrict_to(&self, region: &Region<D>) -> Cow<'_, Self> {
-        if *region == Region::from_grid(self.grid.cells) {
+        if *region == Region::from_grid(self.grid.cells) && self.medium_function.is_none() {
             return Cow::Borrowed(self);
         }
         let restrict_boundary = |axis: usize, boundary: &Boundary| match boundary {
@@ -49,11 +49,12 @@ impl<const D: usize> Problem<D> {
             });
             Source { cells: shares.collect(), ..source.clone() }
         };
-        let cells = region.global_cells();
+        let medium = |cell: usize| self.medium_index(cell) as u16; // an index of `cell_media`
         Cow::Owned(Self {
             grid: self.grid,
             media: self.media.clone(),
-            cell_media: cells.iter().map(|cell| self.cell_media[*cell]).collect(),
+            cell_media: region.global_cell_iter().map(medium).collect(),
+            medium_function: None,
             boundaries: std::array::from_fn(|axis| {
                 self.boundaries[axis].each_ref().map(|own| restrict_boundary(axis, own))
             }),

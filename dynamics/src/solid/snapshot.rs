@@ -1,9 +1,10 @@
 //! State of a solid for checkpoints.
 
 use crate::solid::ledger::WorkPartialSums;
+use std::ops::Range;
 
-/// State of a solid, independent of the solver and of the number of subdomains; sufficient to continue the simulation
-/// bit for bit.
+/// State of a solid, or of the part of its cells that a rank holds, independent of the solver and of the number of
+/// subdomains; sufficient to continue the simulation bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot<T> {
     /// Number of steps done since time 0.
@@ -31,5 +32,24 @@ impl<T> Default for Snapshot<T> {
             cell_sums: Vec::new(),
             interlayer_history: Vec::new(),
         }
+    }
+}
+
+/// Part of a state that a process holds: the cells of a rank, or all of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StatePart {
+    /// Number of cells of the whole grid along each axis, in the order of the axes of the lists of a state.
+    pub grid_cells: Vec<usize>,
+    /// Cells of the part along the same axes.
+    pub cells: Vec<Range<usize>>,
+    /// Interlayers of the part in the order of their history variables: position, by which they are sorted (layer across
+    /// the last axis, axis normal to the face, cell above it), and number of history variables.
+    pub interlayers: Vec<([usize; 3], usize)>,
+}
+
+impl StatePart {
+    /// Returns the number of cells of the part.
+    pub fn cell_count(&self) -> usize {
+        self.cells.iter().map(ExactSizeIterator::len).product()
     }
 }

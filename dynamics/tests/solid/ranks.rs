@@ -1,5 +1,5 @@
-//! Distribution over ranks: the results of the root must be bit-identical to those of one process. The ranks are on
-//! threads of the test.
+//! Distribution over ranks: the results of all ranks together must be bit-identical to those of one process. The ranks
+//! are on threads of the test.
 
 use crate::contacts::{granular, porous, viscous_granular};
 use crate::decomposition::{random_problem_of_solids, solids_in_theory, two_solids};
@@ -9,6 +9,7 @@ use crate::support::interlayers::random_interlayers;
 use crate::support::noise;
 use crate::support::random::NoiseSequence;
 use models::solid::parameters::Theory;
+use std::ops::Range;
 use std::sync::Arc;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Load, Source};
@@ -18,26 +19,26 @@ use wellposed_dynamics::ledger::{Energy, Ledger};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
-use wellposed_dynamics::simulation::SolverChoice;
+use wellposed_dynamics::simulation::{SolidFields, SolverChoice, StatePart};
 
-/// Calls `task` for each of `size` ranks on a thread of its own; returns the value of the root.
-fn run_ranks<V: Send>(size: usize, task: impl Fn(Arc<dyn Communicator>) -> V + Sync) -> V {
+/// Calls `task` for each of `size` ranks on a thread of its own; returns the values in the order of the ranks.
+fn run_ranks<V: Send>(size: usize, task: impl Fn(Arc<dyn Communicator>) -> V + Sync) -> Vec<V> {
     std::thread::scope(|scope| {
         let task = &task;
         let threads: Vec<_> = ThreadRank::create_all(size)
             .into_iter()
             .map(|rank| scope.spawn(move || task(Arc::new(rank))))
             .collect();
-        let mut values = threads.into_iter().map(|own| own.join().expect("no panic"));
-        let root = values.next().expect("a root");
-        values.for_each(drop);
-        root
+        threads.into_iter().map(|own| own.join().expect("no panic")).collect()
     })
 }
 
-/// Results of a run, complete at the root.
-#[derive(Debug, PartialEq)]
+/// Results of a run: of the whole grid, or of the cells of a rank.
+#[derive(Clone, Debug, PartialEq)]
 struct Results<T> {
+    part: StatePart,
+    /// Cells along the axes of the problem.
+    cells: Vec<Range<usize>>,
     snapshot: Snapshot<T>,
     output: Vec<Vec<f64>>,
     energy: Energy,
@@ -45,31 +46,86 @@ struct Results<T> {
     records: Vec<f64>,
 }
 
+/// Returns the indices in the whole grid of the cells of a box.
+fn box_cells(grid: &[usize], cells: &[Range<usize>]) -> Vec<usize> {
+    let mut indices = vec![0];
+    for (count, range) in grid.iter().zip(cells).rev() {
+        let extend = |index: usize| range.clone().map(move |place| index * count + place);
+        indices = indices.into_iter().flat_map(extend).collect();
+    }
+    indices
+}
+
+/// Returns the values of a box from those of the whole grid.
+fn cut<V: Copy>(values: &[V], grid: &[usize], cells: &[Range<usize>]) -> Vec<V> {
+    let cells = box_cells(grid, cells).into_iter();
+    cells.filter_map(|cell| values.get(cell).copied()).collect()
+}
+
+/// Returns the results in a box of cells: `cells` along the axes of the problem, `part` along those of the state.
+fn cut_results<T: SolverReal>(
+    whole: &Results<T>,
+    grid: &[usize],
+    cells: &[Range<usize>],
+    part: &StatePart,
+) -> Results<T> {
+    let of_state = |values: &Vec<f64>| cut(values, &part.grid_cells, &part.cells);
+    let mut rest = whole.snapshot.interlayer_history.as_slice();
+    let mut history = Vec::new();
+    for face in &whole.part.interlayers {
+        let (own, others) = rest.split_at(face.1);
+        rest = others;
+        if part.interlayers.contains(face) {
+            history.extend_from_slice(own);
+        }
+    }
+    let fields = whole.snapshot.fields.iter();
+    Results {
+        part: part.clone(),
+        cells: cells.to_vec(),
+        snapshot: Snapshot {
+            fields: fields.map(|own| cut(own, &part.grid_cells, &part.cells)).collect(),
+            cell_sums: whole.snapshot.cell_sums.iter().map(of_state).collect(),
+            interlayer_history: history,
+            ..whole.snapshot.clone()
+        },
+        output: whole.output.iter().map(|own| cut(own, grid, cells)).collect(),
+        ..whole.clone()
+    }
+}
+
 /// Steps of the two halves of a run: more than a pass has.
 const STEPS: [usize; 2] = [5, 6];
 
-/// Runs `steps` from noise, or from a snapshot if there is one.
+/// Runs `steps` from noise, or from the state of the end of another run of the whole grid if there is one.
 fn run_domain<T: SolverReal, const D: usize>(
     mut domain: DecomposedDomain<T, D>,
-    cell_count: usize,
-    start: Option<&Snapshot<T>>,
+    grid: [usize; D],
+    start: Option<&Results<T>>,
     steps: usize,
 ) -> Results<T> {
+    let (cells, part) = (domain.own_cells().to_vec(), domain.state_part());
     match start {
-        Some(snapshot) => assert!(domain.restore(snapshot)),
+        Some(whole) => {
+            assert!(domain.restore(&cut_results(whole, &grid, &cells, &part).snapshot));
+        }
         None => {
             for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
                 let value = |cell| T::from_f64(0.5 * noise((1_000_003 * index + cell) as u64));
-                domain.set_field(field, &(0..cell_count).map(value).collect::<Vec<T>>());
+                let values = box_cells(&grid, &cells).into_iter().map(value);
+                domain.set_field(field, &values.collect::<Vec<T>>());
             }
             domain.initialise_interlayers();
         }
     }
+    let cell_count: usize = grid.iter().product();
     domain.watch_cells(&[3, cell_count / 2 + 5, cell_count - 1]);
     domain.record_watched_cells();
     domain.advance(steps).expect("threads");
     assert_eq!((domain.first_non_finite(), domain.max_pass_steps() > 0), (None, true));
     Results {
+        part,
+        cells,
         snapshot: domain.snapshot(),
         output: domain.output_values(),
         energy: domain.energy(),
@@ -79,33 +135,55 @@ fn run_domain<T: SolverReal, const D: usize>(
 }
 
 /// Compares runs on `sizes` ranks, with one or two threads each, with those of one process: the first half from noise,
-/// the second one from the snapshot of the other number of ranks before.
+/// the second one from the state of one process. The parts of the ranks are boxes that tile the grid, and the media of
+/// their cells are given by a function.
 fn compare_ranks<T: SolverReal, const D: usize>(problem: &Problem<D>, sizes: &[usize]) {
-    let (first, count) = (problem.first_axis(), problem.grid.count());
+    let (first, grid) = (problem.first_axis(), problem.grid.cells);
     let whole = || DecomposedDomain::<T, D>::with_first_axis(first, problem, 1).expect("sound");
-    let half = run_domain(whole(), count, None, STEPS[0]);
-    let end = run_domain(whole(), count, Some(&half.snapshot), STEPS[1]);
+    let half = run_domain(whole(), grid, None, STEPS[0]);
+    let end = run_domain(whole(), grid, Some(&half), STEPS[1]);
     assert!(half.energy.total() > 0.0 && half.records.len() > 3);
-    let mut start = half.snapshot.clone();
+    let cell_media = problem.cell_media.clone();
+    let problem = &Problem {
+        cell_media: Vec::new(),
+        medium_function: Some(Arc::new(move |cell| cell_media[cell])),
+        ..problem.clone()
+    };
     for (index, &size) in sizes.iter().enumerate() {
         let threads = 1 + index % 2;
-        let results = run_ranks(size, |rank| {
+        let results = run_ranks(size, |communicator| {
+            let choice = SolverChoice::Ranks { communicator: communicator.clone(), threads };
+            let planned = choice.own_cells(problem).expect("room").to_vec();
             let domain = || {
-                let rank = Arc::clone(&rank);
+                let rank = Arc::clone(&communicator);
                 DecomposedDomain::<T, D>::with_ranks(first, problem, rank, threads).expect("room")
             };
-            let half = run_domain(domain(), count, None, STEPS[0]);
-            // Only the root has a snapshot.
-            let start = if rank.is_root() { start.clone() } else { Snapshot::default() };
-            let end = run_domain(domain(), count, Some(&start), STEPS[1]);
-            let mut wrong = start;
-            wrong.fields.pop();
+            let parts = [
+                run_domain(domain(), grid, None, STEPS[0]),
+                run_domain(domain(), grid, Some(&half), STEPS[1]),
+            ];
+            assert_eq!(parts[0].cells, planned);
+            // The snapshot of one rank lacks a field.
+            let mut wrong = parts[0].snapshot.clone();
+            if communicator.rank() + 1 == size {
+                wrong.fields.pop();
+            }
             assert!(!domain().restore(&wrong));
-            (half, end)
+            parts
         });
-        assert!(results.0 == half, "{size} ranks");
-        assert!(results.1 == end, "{size} ranks");
-        start = results.0.snapshot;
+        let mut owners = vec![0; grid.iter().product()];
+        for (rank, parts) in results.into_iter().enumerate() {
+            box_cells(&grid, &parts[0].cells).into_iter().for_each(|cell| owners[cell] += 1);
+            for (mut part, whole) in parts.into_iter().zip([&half, &end]) {
+                let expected = cut_results(whole, &grid, &part.cells, &part.part);
+                if rank > 0 {
+                    assert!(part.records.is_empty());
+                    part.records.clone_from(&whole.records);
+                }
+                assert!(part == expected, "rank {rank} of {size}");
+            }
+        }
+        assert!(owners.iter().all(|count| *count == 1));
     }
 }
 
@@ -222,7 +300,7 @@ fn too_many_ranks_are_refused() {
     let error = run_ranks(64, |rank| {
         DecomposedDomain::<f64, 2>::with_ranks(0, &problem, rank, 1).map(drop)
     });
-    assert_eq!(error, Err(DomainError::RankCount { ranks: 64, cells: 24 * 32 }));
+    assert_eq!(error, vec![Err(DomainError::RankCount { ranks: 64, cells: 24 * 32 }); 64]);
 }
 
 /// Verifies records, accounts, output fields, states and the search for the last sound state before a fault, in runs
@@ -233,16 +311,32 @@ fn simulations_on_ranks_deliver_the_same_bits() {
     for signal in [f64::sin, faulty] {
         let run = |solver: SolverChoice, interruptions: Option<usize>| {
             let create = || pulse_simulation(signal, solver.clone());
-            let output = build_output_times(0.2, 0.31, create().time_steps().step * 40.0);
-            let (log, outcome, state) = run_with_interruptions(create, &output, interruptions);
-            (log.delivered(), outcome.last_account, outcome.fault, state)
+            let (simulation, grid) = (create(), create().problem().grid.cells);
+            let output = build_output_times(0.2, 0.31, simulation.time_steps().step * 40.0);
+            let (mut log, outcome, state) = run_with_interruptions(create, &output, interruptions);
+            let fields: Vec<SolidFields> = std::mem::take(&mut log.fields)
+                .into_iter()
+                .map(|own| *own.downcast().expect("fields of a solid"))
+                .collect();
+            let cells = simulation.own_cells().to_vec();
+            let numbers = (state.steps, state.time, state.initial_energy);
+            (log.tables(), outcome.last_account, outcome.fault, numbers, fields, grid, cells)
         };
-        let expected = run(SolverChoice::Fused { threads: 1 }, None);
+        let (tables, account, fault, numbers, fields, grid, _) =
+            run(SolverChoice::Fused { threads: 1 }, None);
         for (size, interruptions) in [(2, None), (3, Some(2)), (4, Some(5))] {
             let found = run_ranks(size, |communicator| {
                 run(SolverChoice::Ranks { communicator, threads: 1 }, interruptions)
             });
-            assert!(found == expected, "{size} ranks, {:?} and {:?}", found.2, expected.2);
+            assert_eq!(found[0].0, tables, "{size} ranks");
+            for (rank, found) in found.into_iter().enumerate() {
+                assert_eq!((found.1, &found.2, found.3), (account, &fault, numbers), "rank {rank}");
+                assert_eq!(found.4.len(), fields.len());
+                for (own, whole) in found.4.iter().zip(&fields) {
+                    let whole = whole.values.iter().map(|own| cut(own, &grid, &found.6));
+                    assert!(own.values.iter().cloned().eq(whole), "rank {rank} of {size}");
+                }
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::support::shear_flow::simple_shear;
 use models::interface::elastic::ElasticMaterial;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::SolidField;
+use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 use wellposed_dynamics::boundary::{Boundary, Source};
@@ -25,6 +26,8 @@ pub(crate) struct OutputLog {
     records: Vec<String>,
     accounts: Vec<String>,
     snapshots: Vec<String>,
+    /// Output fields of the snapshots.
+    pub(crate) fields: Vec<Box<dyn Any + Send>>,
     batch_count: usize,
     interruption_interval: Option<usize>,
     /// Number of calls of `on_steps_done` after which a state is saved while the run continues.
@@ -36,13 +39,13 @@ pub(crate) struct OutputLog {
 }
 
 impl OutputLog {
-    /// Returns records, accounts and snapshots.
-    pub(crate) fn delivered(self) -> [Vec<String>; 3] {
-        [self.records, self.accounts, self.snapshots]
+    /// Returns records and accounts.
+    pub(crate) fn tables(self) -> [Vec<String>; 2] {
+        [self.records, self.accounts]
     }
 }
 
-impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for OutputLog {
+impl<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>> Observer<S> for OutputLog {
     /// State at the interruption.
     type Error = SimulationState;
 
@@ -58,6 +61,7 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for OutputLog {
 
     fn on_snapshot(&mut self, _: &S, due: DueSnapshot<S::Fields>) -> Result<(), SimulationState> {
         self.snapshots.push(format!("{due:?}"));
+        self.fields.push(Box::new(due.fields));
         Ok(())
     }
 
@@ -91,7 +95,9 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for OutputLog {
 
 /// Runs a simulation, interrupting it after every `interruption_interval` calls of `on_steps_done` and resuming it;
 /// returns its log, its outcome and its final state.
-pub(crate) fn run_with_interruptions<S: Simulation<Account: Debug, Fields: Debug>>(
+pub(crate) fn run_with_interruptions<
+    S: Simulation<Account: Debug, Fields: Debug + Send + 'static>,
+>(
     create: impl Fn() -> S,
     output: &OutputTimes,
     interruption_interval: Option<usize>,
@@ -111,7 +117,7 @@ pub(crate) fn run_with_interruptions<S: Simulation<Account: Debug, Fields: Debug
     }
 }
 
-fn check_interruptions<S: Simulation<Account: Debug, Fields: Debug>>(
+fn check_interruptions<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>>(
     create: impl Fn() -> S,
     output: &OutputTimes,
 ) {
@@ -154,7 +160,7 @@ fn pulse_simulation_with_duration(
     let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     let cell_media = vec![0; 240];
-    let probe = Probe::with_interpolation(&cells, &[false; 2], &cell_media, 105, &[5.3, 4.9]);
+    let probe = Probe::with_interpolation(&cells, &[false; 2], |_| 0, 105, &[5.3, 4.9]);
     let mut problem = Problem::new(
         Grid { cells, spacing },
         vec![medium],
@@ -177,7 +183,9 @@ fn pulse_simulation_with_duration(
     let law = InterlayerLaw::from_material(0, &material, &problem.media[0]);
     let cells = problem.grid.cells[0];
     problem.interlayers = vec![Interlayers::new_regular(0, cells, [5, 5], law)];
-    let pulse = (0..240).map(|cell| if cell % 20 < 4 { 1.0 } else { 0.0 }).collect();
+    let [columns, rows] = solver.own_cells(&problem).expect("room");
+    let pulse = rows.flat_map(|_| columns.clone());
+    let pulse = pulse.map(|column| if column < 4 { 1.0 } else { 0.0 }).collect();
     let initial = vec![(SolidField::Velocity(1), pulse)];
     SolidSimulation::new(problem, steps, initial, vec![probe, Probe::from_cell(17)], solver)
         .expect("a sound problem")

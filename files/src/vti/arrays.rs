@@ -13,8 +13,28 @@ struct CellArray {
     name: String,
     vtk_type: &'static str,
     components: usize,
-    /// Encoded values, preceded by their length or block lengths.
+    /// Encoded values, preceded by their length or block lengths; empty if they are only declared.
     bytes: Vec<u8>,
+    /// Length of the encoded values, bytes.
+    length: usize,
+}
+
+/// Name, number type and number of components of an array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ArrayDeclaration {
+    /// Name of the array.
+    pub name: String,
+    /// Name of the number type in VTK XML.
+    pub vtk_type: &'static str,
+    /// Number of components per cell.
+    pub components: usize,
+}
+
+impl ArrayDeclaration {
+    /// Returns the size of the values of a cell, bytes.
+    pub fn cell_size(&self) -> usize {
+        self.components * if self.vtk_type.ends_with("64") { 8 } else { 4 }
+    }
 }
 
 /// Cell arrays, whose values are appended in order.
@@ -49,9 +69,30 @@ impl CellArrays {
             name: name.to_owned(),
             vtk_type: T::VTK_TYPE,
             components,
+            length: bytes.len(),
             bytes,
         });
         Ok(())
+    }
+
+    /// Adds an array of `cells` cells whose uncompressed values are written later.
+    pub(super) fn declare(&mut self, array: &ArrayDeclaration, cells: usize) {
+        self.arrays.push(CellArray {
+            name: array.name.clone(),
+            vtk_type: array.vtk_type,
+            components: array.components,
+            bytes: Vec::new(),
+            length: 8 + cells * array.cell_size(),
+        });
+    }
+
+    /// Returns the arrays without their values.
+    pub(super) fn declarations(&self) -> impl Iterator<Item = ArrayDeclaration> {
+        self.arrays.iter().map(|own| ArrayDeclaration {
+            name: own.name.clone(),
+            vtk_type: own.vtk_type,
+            components: own.components,
+        })
     }
 
     /// Encodes values according to the storage of the file.
@@ -64,7 +105,7 @@ impl CellArrays {
 
     /// Length of the appended values of all arrays, bytes.
     pub(super) fn byte_count(&self) -> usize {
-        self.arrays.iter().map(|array| array.bytes.len()).sum()
+        self.arrays.iter().map(|array| array.length).sum()
     }
 
     /// Writes the appended values.
@@ -76,10 +117,10 @@ impl CellArrays {
     pub(super) fn format_elements(&self) -> String {
         let mut elements = String::new();
         let mut offset = 0;
-        for CellArray { name, vtk_type, components, bytes } in &self.arrays {
+        for CellArray { name, vtk_type, components, length, .. } in &self.arrays {
             let element = format_array(vtk_type, &escape_xml(name), *components, offset);
             elements.push_str(&element);
-            offset += bytes.len();
+            offset += length;
         }
         elements
     }

@@ -19,3 +19,9 @@ pub(super) fn escape_xml(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     text.replace('"', "&quot;")
 }
+
+/// Replaces the entities that [`escape_xml`] has made by their characters.
+pub(super) fn unescape_xml(text: &str) -> String {
+    let text = text.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">");
+    text.replace("&amp;", "&")
+}

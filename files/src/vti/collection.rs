@@ -1,6 +1,6 @@
 //! PVD collections: files of a time series and their times.
 
-use super::attributes::{check_time, format_attribute};
+use super::attributes::{check_time, format_attribute, unescape_xml};
 use super::error::VtiError;
 use crate::csv::format_shortest;
 
@@ -24,9 +24,5 @@ pub fn format_collection(entries: &[(f64, impl AsRef<str>)]) -> Result<Vec<u8>, 
 /// Parses the paths in a collection written by [`format_collection`].
 pub fn parse_collection(text: &str) -> Vec<String> {
     let paths = text.lines().filter_map(|line| line.split_once(" file=\"")?.1.split('"').next());
-    let unescaped = |path: &str| {
-        let path = path.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">");
-        path.replace("&amp;", "&")
-    };
-    paths.map(unescaped).collect()
+    paths.map(unescape_xml).collect()
 }

@@ -2,6 +2,7 @@
 
 use super::error::VtiError;
 use crate::csv::format_shortest;
+use std::ops::Range;
 
 /// Regular grid with axes along x, y and, in three dimensions, z.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,11 +39,25 @@ impl ImageGrid {
             .ok_or_else(|| VtiError::Size { cells: self.cells.clone() })
     }
 
-    /// VTK extent: indices of the first and the last node along three axes. A plane grid has a single node along z.
+    /// VTK extent of all cells, see [`format_cell_extent`].
     pub(super) fn format_extent(&self) -> String {
-        let last = |axis| self.cells.get(axis).copied().unwrap_or(0);
-        format!("0 {} 0 {} 0 {}", last(0), last(1), last(2))
+        let cells: Vec<Range<usize>> = self.cells.iter().map(|count| 0..*count).collect();
+        format_cell_extent(&cells)
     }
+}
+
+/// Formats the VTK extent of a box of cells: indices of the first and the last node along three axes. A plane grid has a
+/// single node along z.
+pub(super) fn format_cell_extent(cells: &[Range<usize>]) -> String {
+    let ends = (0..3).map(|axis| cells.get(axis).map_or([0, 0], |own| [own.start, own.end]));
+    ends.map(|[first, last]| format!("{first} {last}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Parses an extent that [`format_cell_extent`] has formatted for a grid of `axes` axes; `None` if it is another text.
+pub(super) fn parse_cell_extent(text: &str, axes: usize) -> Option<Vec<Range<usize>>> {
+    let numbers = text.split(' ').map(str::parse).collect::<Result<Vec<usize>, _>>().ok()?;
+    let (ends, []) = numbers.as_chunks::<2>() else { return None };
+    Some(ends.get(..axes)?.iter().map(|[first, last]| *first..*last).collect())
 }
 
 /// Formats three numbers; missing numbers are replaced by `missing`.

@@ -1,13 +1,14 @@
 //! Writer of VTK image data and structured grids.
 
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use super::arrays::{CellArrays, FILE_END, check_length, format_time_element};
 use super::attributes::check_time;
 use super::encoding::{MEMORY_WRITE_MESSAGE, Storage};
 use super::error::VtiError;
-use super::grid::{ImageGrid, format_triple};
+use super::grid::{ImageGrid, format_cell_extent, format_triple};
 use super::number::VtkNumber;
 use crate::{FileError, write_atomically_with};
 
@@ -26,20 +27,37 @@ use crate::{FileError, write_atomically_with};
 /// ```
 pub struct ImageData {
     pub(super) grid: ImageGrid,
+    /// Cells of this piece along each axis; all cells of the grid unless it is one of several pieces.
+    pub(super) cells: Vec<Range<usize>>,
     pub(super) cell_count: usize,
     /// Encoded node coordinates of a deformed grid.
     pub(super) nodes: Option<Vec<u8>>,
     pub(super) time: Option<f64>,
-    arrays: CellArrays,
+    pub(super) arrays: CellArrays,
 }
 
 impl ImageData {
     /// Creates image data on a grid, without arrays.
     pub fn new(grid: ImageGrid, storage: Storage) -> Result<Self, VtiError> {
-        let count = grid.checked_cell_count()?;
+        let cells: Vec<Range<usize>> = grid.cells.iter().map(|count| 0..*count).collect();
+        Self::new_piece(grid, &cells, storage)
+    }
+
+    /// Creates one of several pieces of image data, with the cells `cells` along each axis of the grid.
+    pub fn new_piece(
+        grid: ImageGrid,
+        cells: &[Range<usize>],
+        storage: Storage,
+    ) -> Result<Self, VtiError> {
+        grid.checked_cell_count()?;
+        let is_inside = |(own, count): (&Range<usize>, &usize)| own.end <= *count;
+        if cells.len() != grid.cells.len() || !cells.iter().zip(&grid.cells).all(is_inside) {
+            return Err(VtiError::Size { cells: cells.iter().map(|own| own.end).collect() });
+        }
         Ok(Self {
             grid,
-            cell_count: count,
+            cell_count: cells.iter().map(ExactSizeIterator::len).product(),
+            cells: cells.to_vec(),
             nodes: None,
             time: None,
             arrays: CellArrays::new(storage),
@@ -72,20 +90,29 @@ impl ImageData {
         storage: Storage,
     ) -> Result<Self, VtiError> {
         let mut data = Self::new(grid, storage)?;
+        data.map_nodes(map);
+        Ok(data)
+    }
+
+    /// Makes the image data a structured grid with the nodes of [`with_nodes`](Self::with_nodes).
+    ///
+    /// # Panics
+    /// The grid does not have two axes.
+    pub fn map_nodes(&mut self, map: impl Fn([f64; 2]) -> [f64; 2]) {
         let along = |axis: usize, index: usize| {
-            data.grid.origin[axis] + index as f64 * data.grid.spacing[axis]
+            self.grid.origin[axis] + index as f64 * self.grid.spacing[axis]
         };
-        let [columns, rows] = [0, 1].map(|axis| data.grid.cells[axis] + 1);
+        let [columns, rows] =
+            [0, 1].map(|axis: usize| self.cells[axis].start..self.cells[axis].end + 1);
         let node = |x: f64, y: f64| {
             let [a, b] = map([x, y]);
             [a, b, 0.0]
         };
-        let nodes: Vec<f64> = (0..rows)
-            .flat_map(|j| (0..columns).map(move |i| (i, j)))
+        let nodes: Vec<f64> = rows
+            .flat_map(|j| columns.clone().map(move |i| (i, j)))
             .flat_map(|(i, j)| node(along(0, i), along(1, j)))
             .collect();
-        data.nodes = Some(data.arrays.encode(&nodes));
-        Ok(data)
+        self.nodes = Some(self.arrays.encode(&nodes));
     }
 
     /// Sets the time of all arrays, usually in s.
@@ -146,7 +173,8 @@ impl ImageData {
 
     /// File content before the appended values, up to the underscore from which their offsets are counted.
     pub(super) fn format_header(&self) -> String {
-        let extent = self.grid.format_extent();
+        let whole = self.grid.format_extent();
+        let extent = format_cell_extent(&self.cells);
         let origin = format_triple(&self.grid.origin, 0.0);
         let spacing = format_triple(&self.grid.spacing, 1.0);
         let (time, arrays) = (format_time_element(self.time), self.arrays.format_elements());
@@ -158,7 +186,7 @@ impl ImageData {
         };
         let start = self.arrays.format_start(kind);
         format!(
-            "{start}  <{kind} WholeExtent=\"{extent}\"{geometry}>\n\
+            "{start}  <{kind} WholeExtent=\"{whole}\"{geometry}>\n\
              {time}    \
                  <Piece Extent=\"{extent}\">\n      \
                    <PointData>\n      </PointData>\n      \

@@ -12,16 +12,21 @@ mod error;
 mod grid;
 mod image_data;
 mod number;
+mod pieces;
 mod poly_data;
 mod reader;
 #[cfg(test)]
 mod tests;
 
+pub use arrays::ArrayDeclaration;
 pub use collection::{format_collection, parse_collection};
 pub use encoding::Storage;
 pub use error::VtiError;
 pub use grid::ImageGrid;
 pub use image_data::ImageData;
 pub use number::VtkNumber;
+pub use pieces::{PieceFile, parse_index};
 pub use poly_data::{POINTS_ARRAY, PolyData};
-pub use reader::{read_plain_integers, read_plain_time, read_plain_values};
+pub use reader::{
+    list_arrays, read_array_bytes, read_plain_integers, read_plain_time, read_plain_values,
+};

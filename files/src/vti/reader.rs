@@ -1,6 +1,10 @@
-//! Reader of uncompressed files written by this crate.
+//! Reader of files written by this crate.
 
-use super::attributes::escape_xml;
+use super::arrays::ArrayDeclaration;
+use super::attributes::{escape_xml, unescape_xml};
+use super::number::VtkNumber;
+use flate2::read::ZlibDecoder;
+use std::io::Read;
 
 /// Values of an array of doubles in a file written by [`ImageData`](super::image_data::ImageData) with
 /// [`Storage::Plain`](super::encoding::Storage::Plain); `None` if the file has another format or is damaged, or the
@@ -18,19 +22,84 @@ pub fn read_plain_integers(bytes: &[u8], name: &str) -> Option<Vec<i32>> {
 
 /// Returns the bytes of the numbers of an array.
 fn find_array<'a>(bytes: &'a [u8], kind: &str, name: &str) -> Option<&'a [u8]> {
-    const HEADER_END: &[u8] = b"<AppendedData encoding=\"raw\">\n   _";
-    let end = bytes.windows(HEADER_END.len()).position(|window| window == HEADER_END)?;
-    let head = std::str::from_utf8(&bytes[..end]).ok()?;
-    if head.contains(" compressor=") {
+    let (head, values) = split_header(bytes)?;
+    if head.contains(COMPRESSOR) {
         return None;
     }
-    let named = format!(" type=\"{kind}\" Name=\"{}\" ", escape_xml(name));
-    let element = head.lines().find(|line| line.contains(&named) && line.contains(" offset="))?;
-    let offset = element.split(" offset=\"").nth(1)?.split('"').next()?.parse::<usize>().ok()?;
-    let values = bytes.get(end + HEADER_END.len()..)?.get(offset..)?;
-    let (length, values) = values.split_first_chunk()?;
-    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
-    values.get(..length)
+    find_plain_array(head, values, &array_attributes(kind, name))
+}
+
+/// Attribute of the start tag of a compressed file.
+const COMPRESSOR: &str = " compressor=";
+
+/// Returns the XML before the appended values, and the appended values.
+fn split_header(bytes: &[u8]) -> Option<(&str, &[u8])> {
+    const HEADER_END: &[u8] = b"<AppendedData encoding=\"raw\">\n   _";
+    let end = bytes.windows(HEADER_END.len()).position(|window| window == HEADER_END)?;
+    Some((std::str::from_utf8(&bytes[..end]).ok()?, &bytes[end + HEADER_END.len()..]))
+}
+
+/// Returns type and name of an array as they are in its XML element.
+fn array_attributes(kind: &str, name: &str) -> String {
+    format!(" type=\"{kind}\" Name=\"{}\" ", escape_xml(name))
+}
+
+/// Returns the encoded values of an array and of those after it.
+fn find_encoded<'a>(head: &str, values: &'a [u8], attributes: &str) -> Option<&'a [u8]> {
+    let element =
+        head.lines().find(|line| line.contains(attributes) && line.contains(" offset="))?;
+    values.get(attribute(element, "offset")?.parse::<usize>().ok()?..)
+}
+
+/// Returns the values of an array that is not compressed.
+fn find_plain_array<'a>(head: &str, values: &'a [u8], attributes: &str) -> Option<&'a [u8]> {
+    let (length, values) = find_encoded(head, values, attributes)?.split_first_chunk()?;
+    values.get(..usize::try_from(u64::from_le_bytes(*length)).ok()?)
+}
+
+/// Returns the value of an attribute of an XML element.
+fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
+    element.split(&format!(" {name}=\"")).nth(1)?.split('"').next()
+}
+
+/// Lists the cell arrays of a file; `None` if the file has another format.
+pub fn list_arrays(bytes: &[u8]) -> Option<Vec<ArrayDeclaration>> {
+    const TYPES: [&str; 4] = [f64::VTK_TYPE, f32::VTK_TYPE, i32::VTK_TYPE, i64::VTK_TYPE];
+    let (head, _) = split_header(bytes)?;
+    let cell_data = head.split("<CellData>").nth(1)?.split("</CellData>").next()?;
+    let declaration = |line: &str| {
+        let kind = attribute(line, "type")?;
+        Some(ArrayDeclaration {
+            name: unescape_xml(attribute(line, "Name")?),
+            vtk_type: TYPES.into_iter().find(|own| *own == kind)?,
+            components: attribute(line, "NumberOfComponents")?.parse().ok()?,
+        })
+    };
+    cell_data.lines().filter(|line| line.contains("<DataArray ")).map(declaration).collect()
+}
+
+/// Returns the values of an array as little-endian bytes, decompressed if need be; `None` if the file is damaged or the
+/// array is absent.
+pub fn read_array_bytes(bytes: &[u8], array: &ArrayDeclaration) -> Option<Vec<u8>> {
+    let (head, values) = split_header(bytes)?;
+    let attributes = array_attributes(array.vtk_type, &array.name);
+    if !head.contains(COMPRESSOR) {
+        return find_plain_array(head, values, &attributes).map(<[u8]>::to_vec);
+    }
+    let encoded = find_encoded(head, values, &attributes)?;
+    let number = |index: usize| {
+        let bytes = encoded.get(8 * index..)?.first_chunk()?;
+        usize::try_from(u64::from_le_bytes(*bytes)).ok()
+    };
+    let blocks = number(0)?;
+    let mut start = blocks.checked_add(3)?.checked_mul(8)?;
+    let mut decoded = Vec::new();
+    for block in 0..blocks {
+        let end = start.checked_add(number(3 + block)?)?;
+        ZlibDecoder::new(encoded.get(start..end)?).read_to_end(&mut decoded).ok()?;
+        start = end;
+    }
+    Some(decoded)
 }
 
 /// Time of a file written by [`ImageData`](super::image_data::ImageData); `None` if the file has another format or no

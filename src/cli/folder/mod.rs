@@ -20,9 +20,9 @@ pub use error::OutputError;
 pub use names::{
     AppendedFile, BLOCH_FILES, CASE_FILE, CHECK_FILES, COMPARISON_FILES, DIAGRAM_FILES,
     DISPERSION_FILES, JOINT_ARCHIVE_FILE, JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES,
-    REPORT_PAGE_FILE, RUN_FILES, SHOCKS_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files,
-    is_snapshot_name, joint_snapshot_file_name, result_file_names, snapshot_file_name,
-    snapshot_file_names,
+    PartFile, REPORT_PAGE_FILE, RUN_FILES, SHOCKS_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES,
+    has_joint_files, is_part_name, is_snapshot_name, joint_snapshot_file_name, result_file_names,
+    snapshot_file_name, snapshot_file_names, snapshot_index_name,
 };
 
 pub use publication::Publication;
@@ -307,6 +307,15 @@ fn describe_missing_folder(path: &Path) -> Option<&'static str> {
         Err(error) if error.kind() == ErrorKind::NotFound => Some("no such folder"),
         Err(_) => None,
     }
+}
+
+/// Lists the names of the files in a folder that ranks have written for their own cells.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn list_part_names(folder: &Path) -> Result<Vec<String>, OutputError> {
+    let names = list_file_names(folder)?.into_iter();
+    Ok(names.filter(|name| is_part_name(name) && !names::is_checkpoint_part_name(name)).collect())
 }
 
 /// Lists the names in a folder; empty if the folder does not exist.

@@ -221,6 +221,60 @@ pub fn is_snapshot_name(name: &str) -> bool {
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
+/// Files that each of several ranks writes for its own cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartFile {
+    /// State for the checkpoint after this number of steps.
+    Checkpoint(usize),
+    /// Fields of the snapshot with this index, for ParaView.
+    Snapshot(usize),
+    /// Joints of the snapshot with this index.
+    SnapshotJoints(usize),
+    /// Final fields and joints.
+    Fields,
+}
+
+impl PartFile {
+    /// Returns the name of the file of a rank in the run of a case.
+    pub fn name(self, case: &Case, rank: usize) -> String {
+        match self {
+            Self::Checkpoint(steps) => format!("checkpoint-{steps:012}-{rank:06}.part"),
+            Self::Snapshot(index) => {
+                let whole = snapshot_file_name(case, index);
+                whole.replace('.', &format!("-{rank:06}."))
+            }
+            Self::SnapshotJoints(index) => format!("joints-{index:08}-{rank:06}.part"),
+            Self::Fields => format!("fields-{rank:06}.part"),
+        }
+    }
+}
+
+/// Returns the name of the file that lists the parts of a snapshot for ParaView.
+pub fn snapshot_index_name(case: &Case, index: usize) -> String {
+    snapshot_file_name(case, index).replace('.', ".p")
+}
+
+/// Returns whether the name is that of a [`PartFile`], or of the index of the parts of a snapshot.
+pub fn is_part_name(name: &str) -> bool {
+    let Some((stem, extension)) = name.split_once('.') else { return false };
+    let mut words = stem.split('-');
+    let kind = words.next().unwrap_or_default();
+    let numbers: Vec<&str> = words.collect();
+    let is_number =
+        |word: &&str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
+    let count = match (kind, extension) {
+        ("checkpoint" | "joints", "part") | ("snapshot", "vti" | "vts") => 2,
+        ("fields", "part") | ("snapshot", "pvti" | "pvts") => 1,
+        _ => return false,
+    };
+    numbers.len() == count && numbers.iter().all(is_number)
+}
+
+/// Returns whether the name is that of a part of the state for a checkpoint.
+pub(super) fn is_checkpoint_part_name(name: &str) -> bool {
+    is_part_name(name) && name.starts_with(AppendedFile::Checkpoint.name())
+}
+
 /// Iterates over the names of all files that a verb may write, except snapshots, PDF pictures, the log, the resolved case and the
 /// program version. `--force` removes files of these names that belong to another case, so that a folder contains
 /// results of one case only.
@@ -242,6 +296,7 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
 /// Returns whether the name is that of a file of a simulation, except for log and lock.
 pub(super) fn is_run_file_name(name: &str) -> bool {
     is_snapshot_name(name)
+        || is_part_name(name)
         || (is_listed(name, RUN_FILES.into_iter()) && name != AppendedFile::Lock.name())
 }
 
@@ -249,7 +304,10 @@ pub(super) fn is_run_file_name(name: &str) -> bool {
 pub(super) fn has_checksum(name: &str) -> bool {
     let is_transient_name =
         [AppendedFile::Lock, AppendedFile::Checkpoint].into_iter().any(|file| file.name() == name);
-    (is_result_file_name(name) && !is_transient_name && name != Checksums::FILE_NAME)
+    (is_result_file_name(name)
+        && !is_transient_name
+        && !is_checkpoint_part_name(name)
+        && name != Checksums::FILE_NAME)
         || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }
 
@@ -261,7 +319,7 @@ pub(super) fn is_transient_name(name: &str) -> bool {
 
 /// Returns whether the name is that of a snapshot or one of the [`result_file_names`].
 pub(super) fn is_result_file_name(name: &str) -> bool {
-    is_snapshot_name(name) || is_listed(name, result_file_names())
+    is_snapshot_name(name) || is_part_name(name) || is_listed(name, result_file_names())
 }
 
 /// Returns whether a name is in a list, or that of the PDF of a picture of which the list has the SVG.

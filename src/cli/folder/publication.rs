@@ -5,8 +5,9 @@ use super::names::{
 };
 use super::{AppendedFile, OutputError, ResultFolder, create_write_error, remove_file_if_exists};
 use crate::report::page::PageSection;
-use files::{FileDigest, StagedFile, stage_file_with};
-use std::io::Write as _;
+use files::{DigestWriter, FileDigest, StagedFile, stage_file_with};
+use std::fs::File;
+use std::io::{self, Write as _};
 
 /// Kind of the published files, by the verb that produced them.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -57,11 +58,29 @@ impl Publication<'_> {
     /// # Errors
     /// The file cannot be written.
     pub fn stage_file(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        self.stage_with(name, |file| file.write_all(bytes))
+    }
+
+    /// Adds one of the result files as [`stage_file`](Self::stage_file) does, with the content that `write` produces.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn stage_with(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut DigestWriter<&mut File>) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
         debug_assert!(is_result_file_name(name), "{name} is not listed");
         let path = self.folder.path.join(name);
-        let staged = stage_file_with(&path, |file| file.write_all(bytes));
+        let mut digest = FileDigest::default();
+        let staged = stage_file_with(&path, |file| {
+            let mut writer = DigestWriter::new(file);
+            write(&mut writer)?;
+            digest = writer.digest();
+            Ok(())
+        });
         let staged = staged.map_err(|error| create_write_error(&path, &error))?;
-        self.staged_files.push((name.to_owned(), staged, FileDigest::from_bytes(bytes)));
+        self.staged_files.push((name.to_owned(), staged, digest));
         Ok(())
     }
 

@@ -1,10 +1,12 @@
 //! Results folders of simulations: locking, resuming and redrawing.
 
-use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_run_file_name};
+use super::names::{
+    CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_checkpoint_part_name, is_run_file_name,
+};
 use super::origin::ResultOrigin;
 use super::{
     AppendedFile, OutputError, ResultFolder, create_lock_error, create_write_error,
-    describe_missing_folder, list_file_names, remove_file_if_exists, write_file,
+    describe_missing_folder, list_file_names, list_part_names, remove_file_if_exists, write_file,
 };
 use crate::case::Case;
 use crate::cli::CommandError;
@@ -12,8 +14,8 @@ use crate::report::format::case_title;
 use crate::report::page::PageSection;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
-use files::{FileDigest, StagedFile, stage_file_with};
-use std::io::Write as _;
+use files::{DigestWriter, FileDigest, StagedFile, stage_file_with};
+use std::io::{self, Write as _};
 use std::path::Path;
 
 /// Unfinished run whose folder is locked by this process.
@@ -203,6 +205,19 @@ impl ResultFolder {
         Ok(RunFolder::new(self, lock))
     }
 
+    /// Removes the parts of states for checkpoints, except those of the checkpoint after `kept_steps` steps.
+    ///
+    /// # Errors
+    /// A file cannot be removed.
+    pub fn remove_checkpoint_parts(&self, kept_steps: Option<usize>) -> Result<(), OutputError> {
+        let steps = |name: &str| name.split('-').nth(1)?.parse::<usize>().ok();
+        let names = list_file_names(&self.path)?;
+        let mut old = names.iter().filter(|name| {
+            is_checkpoint_part_name(name) && (kept_steps.is_none() || steps(name) != kept_steps)
+        });
+        old.try_for_each(|name| remove_file_if_exists(&self.path.join(name)))
+    }
+
     fn remove_files_before_run(&self, is_foreign: bool) -> Result<(), OutputError> {
         self.remove_abandoned_files()?;
         match is_foreign {
@@ -285,6 +300,34 @@ impl<'a> RunFolder<'a> {
         Ok(written)
     }
 
+    /// Writes a file of a simulation other than the report, as [`write_result`](Self::write_result) does, with the content
+    /// that `write` produces.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_result_with(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+    ) -> Result<FileDigest, OutputError> {
+        let path = self.folder.path.join(name);
+        let mut written = FileDigest::default();
+        let result = files::write_atomically_with(&path, |file| {
+            let mut writer = DigestWriter::new(file);
+            write(&mut writer)?;
+            written = writer.digest();
+            Ok(())
+        });
+        result.map_err(|error| create_write_error(&path, &error))?;
+        self.checksums.insert(name, written);
+        Ok(written)
+    }
+
+    /// Removes the checksum of a file that is no longer part of the results.
+    pub fn remove_checksum(&mut self, name: &str) {
+        self.checksums.remove(name);
+    }
+
     /// Adds the length and checksum of a file that [`write_result`](Self::write_result) did not write.
     pub fn insert_checksum(&mut self, name: &str, written: FileDigest) {
         self.checksums.insert(name, written);
@@ -319,6 +362,13 @@ impl<'a> RunFolder<'a> {
             staged_report.publish().map_err(|error| create_write_error(&path, &error))?;
         }
         remove_file_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
+        folder.remove_checkpoint_parts(None)?;
+        // Parts of snapshots that were repeated by other ranks, or have been joined.
+        for name in list_part_names(&folder.path)? {
+            if own.digest(&name).is_none() {
+                remove_file_if_exists(&folder.path.join(name))?;
+            }
+        }
         drop(lock.with_removal_on_drop());
         Ok(())
     }

@@ -115,9 +115,9 @@ fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Com
             Err(error) => all.push(Damage::new(file.name(), format!("cannot be read: {error}"))),
         }
     }
-    let names = (0..).flat_map(|index| super::snapshot_file_names(&case, index));
-    for (name, written) in names.zip(&checkpoint.snapshot_digests) {
-        all.extend(Damage::detect(path, &name, *written));
+    let files = checkpoint.snapshots.iter().flat_map(|own| &own.files);
+    for (name, written) in files.clone() {
+        all.extend(Damage::detect(path, name, *written));
     }
-    Ok(2 + tables.len() + checkpoint.snapshot_digests.len())
+    Ok(2 + tables.len() + files.count())
 }

@@ -1,8 +1,10 @@
 //! Runs on several ranks: processes that an MPI launcher such as `mpirun` has started.
 //!
-//! All ranks read the same case and make the same calls. Rank 0, the root, prints, writes the results folder and draws
-//! the pictures; the others are silent. They all end with the exit code of the root.
+//! All ranks read the same case and make the same calls. Each writes the values of its own cells to files in the results
+//! folder. Rank 0, the root, prints and writes all other files; the others are silent. They all end with the exit code of
+//! the root.
 
+mod part_writer;
 mod recorder;
 
 pub(super) use recorder::RankRecorder;
@@ -23,7 +25,7 @@ use dynamics::decomposition::communicator::Communicator;
 use dynamics::decomposition::mpi::{Launcher, MpiError, MpiRank};
 use serde_json::{Value, json};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -133,9 +135,10 @@ pub fn run_simulation_on_ranks(
             let case = Case::load_simulation(&options.case_path, &options.settings);
             return take_part(communicator, case, options.thread_count);
         }
-        let prepared = prepare_run(options, stdout);
+        let prepared = prepare_run(options, communicator.size(), stdout);
         let case = prepared.as_ref().map(|own| own.as_ref().map(|(case, _)| case));
-        let threads = agree(communicator, case, options.thread_count, false);
+        let folder = prepared.as_ref().ok().and_then(Option::as_ref).map(|own| own.1.path());
+        let threads = agree(communicator, case, options.thread_count, (folder, false));
         let Some((case, folder)) = prepared? else { return Ok(()) };
         let options = Options { thread_count: Some(threads?), ..options.clone() };
         execute_prepared_run(
@@ -168,12 +171,12 @@ pub fn resume_on_ranks(
             let case = Case::parse(&String::from_utf8_lossy(&text), &file, &[]);
             return take_part(communicator, case, thread_count);
         }
-        let prepared = prepare_resumed_run(path);
+        let prepared = prepare_resumed_run(path, communicator.size());
         let text = prepared.as_ref().map_or_else(|_| String::new(), |own| own.0.case.to_toml());
         communicator.broadcast(text.into_bytes());
         let case = prepared.as_ref().map(|own| Some(&own.0.case));
         let is_resumed = prepared.as_ref().is_ok_and(|own| own.1.is_some());
-        let threads = agree(communicator, case, thread_count, is_resumed);
+        let threads = agree(communicator, case, thread_count, (Some(path), is_resumed));
         let (UnfinishedRun { folder, case, run_lock }, checkpoint) = prepared?;
         let run = RunContext {
             case: &case,
@@ -208,7 +211,7 @@ fn agree(
     communicator: &Arc<dyn Communicator>,
     case: Result<Option<&Case>, &CommandError>,
     thread_count: Option<usize>,
-    is_resumed: bool,
+    (folder, is_resumed): (Option<&Path>, bool),
 ) -> Result<usize, CommandError> {
     let own = case.ok().flatten().map(|case| {
         check_distributable(case, communicator)?;
@@ -226,7 +229,9 @@ fn agree(
         // Only checked, or refused with an error of its own.
         None => Err(RankError::Ended { exit_code: 0 }.into()),
     };
-    let begins = threads.as_ref().ok().map(|threads| (threads, is_resumed));
+    // Other ranks may have other working folders.
+    let folder = folder.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+    let begins = threads.as_ref().ok().map(|threads| (threads, is_resumed, folder));
     communicator.broadcast(json!(begins).to_string().into_bytes());
     threads
 }
@@ -258,19 +263,19 @@ fn take_part(
         .map_or_else(|error| Err(error.clone().into()), |case| describe_rank(case, thread_count));
     let own = own.unwrap_or_else(|error| json!({ "error": error.to_string() }));
     communicator.gather(own.to_string().into_bytes(), &mut |_, _| {});
-    let begins: Option<(usize, bool)> =
+    let begins: Option<(usize, bool, PathBuf)> =
         serde_json::from_slice(&communicator.broadcast(Vec::new())).unwrap_or_default();
     // The root has ended the run, or only checked the case.
-    let Some((threads, is_resumed)) = begins else { return Ok(()) };
+    let Some((threads, is_resumed, folder)) = begins else { return Ok(()) };
     signals::install_signal_handlers();
     let _stage = signals::set_stage_until_drop(ProgramStage::TimeStepping);
     let pool = create_thread_pool(Some(threads));
     require_all_ranks(&**communicator, pool.is_ok())?;
     let (pool, case) = (pool?, case?);
     let job = create_job(&case)?;
-    let mut recorder = RankRecorder::new(communicator, None, is_resumed);
-    pool.install(|| job.execute(&mut recorder))?;
-    Ok(())
+    let mut recorder = RankRecorder::new(communicator, (&case, folder), None, is_resumed);
+    let result = pool.install(|| job.execute(&mut recorder))?;
+    Ok(recorder.write_fields(&result.fields)?)
 }
 
 /// Waits until all ranks are ready to compute, or one of them is not.

@@ -1,66 +1,90 @@
 //! Recorder of a run on several ranks: the root records, the others take part.
 
 use super::RankError;
+use super::part_writer::PartWriter;
 use crate::Error;
+use crate::case::Case;
 use crate::cli::CommandError;
+use crate::cli::folder::{AppendedFile, OutputError};
+use crate::cli::run::{Checkpoint, FileRecorder};
 use crate::study::simulate::{
-    OutputFields, Recorder, RunProgress, RunRecords, TableHeader, TableKind,
+    OutputFields, OutputPart, Recorder, RunProgress, RunRecords, TableHeader, TableKind,
 };
 use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::{RegularTimes, SimulationState};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-/// First byte of a message of the root: the call has succeeded or failed, or the recorder asks for the state of all
-/// ranks or restores it.
+/// Message of the root: the call has succeeded or failed, or the recorder asks all ranks to save or to restore their
+/// states.
 const SUCCEEDED: u8 = 0;
 const FAILED: u8 = 1;
 const CALLS_ALL: u8 = 2;
 
 /// Recorder on one of several ranks.
 ///
-/// The root passes all output to its own recorder, and tells the others at the end of each batch of steps whether to go
-/// on. When its recorder saves or restores a state, all ranks take part.
-pub(in crate::cli) struct RankRecorder<'a> {
+/// The root passes tables to its own recorder, and tells the others at the end of each batch of steps whether to go on.
+/// Each rank writes the fields and the state of its own cells to files of its own.
+pub(in crate::cli) struct RankRecorder<'a, 'b> {
     communicator: &'a Arc<dyn Communicator>,
     /// Recorder of the root.
-    recorder: Option<&'a mut dyn Recorder>,
+    recorder: Option<&'a mut FileRecorder<'b>>,
     is_resumed: bool,
+    writer: PartWriter<'a>,
     /// First error of the recorder since the other ranks were last told.
     error: Option<Error>,
 }
 
-impl<'a> RankRecorder<'a> {
-    /// Creates the recorder of a rank; `recorder`: that of the root. `is_resumed`: whether the run resumes from a saved
-    /// state, the same at all ranks.
+impl<'a, 'b> RankRecorder<'a, 'b> {
+    /// Creates the recorder of a rank of a run with the results folder `folder`; `recorder`: that of the root.
+    /// `is_resumed`: whether the run resumes from a saved state, the same at all ranks.
     pub(in crate::cli) fn new(
         communicator: &'a Arc<dyn Communicator>,
-        recorder: Option<&'a mut dyn Recorder>,
+        (case, folder): (&'a Case, PathBuf),
+        recorder: Option<&'a mut FileRecorder<'b>>,
         is_resumed: bool,
     ) -> Self {
-        Self { communicator, recorder, is_resumed, error: None }
+        let writer = PartWriter { communicator, case, folder, part: None };
+        Self { communicator, recorder, is_resumed, writer, error: None }
+    }
+
+    /// Writes the final fields of the cells of each rank; called by all ranks after the simulation.
+    pub(in crate::cli) fn write_fields(self, fields: &OutputFields) -> Result<(), RankError> {
+        let files = self.writer.write_fields(fields)?;
+        if let Some(recorder) = self.recorder {
+            recorder.run_files_mut().insert_checksums(&files);
+        }
+        Ok(())
+    }
+
+    /// Reads the own part of the state of the checkpoint; without sections, which match no case, if that fails.
+    fn load_state(&self) -> Result<SimulationState, CommandError> {
+        let path = self.writer.folder.join(AppendedFile::Checkpoint.name());
+        let case = self.writer.case.without_plot_options().to_toml();
+        let missing = || OutputError::from_invalid_content(&path, "no checkpoint");
+        let checkpoint = Checkpoint::read_file(path.clone(), &case)?.ok_or_else(missing)?;
+        Ok(checkpoint.load_state(self.writer.part.as_ref().map(|part| &part.state))?)
     }
 
     /// Makes a call of the root's recorder and tells the other ranks whether it has succeeded. The call receives a
-    /// function that makes them take part, with a message. Other ranks take part by `respond`.
+    /// function that makes them take part; other ranks take part by `respond`.
     fn call<V: Default>(
         &mut self,
-        call: impl FnOnce(&mut dyn Recorder, &dyn Fn(&[u8])) -> Result<V, Error>,
-        mut respond: impl FnMut(&[u8]),
+        call: impl FnOnce(&mut dyn Recorder, &dyn Fn()) -> Result<V, Error>,
+        mut respond: impl FnMut(),
     ) -> Result<V, Error> {
         let communicator = self.communicator;
         let Some(recorder) = &mut self.recorder else {
             loop {
                 let message = communicator.broadcast(Vec::new());
-                match message.split_first() {
-                    Some((&CALLS_ALL, message)) => respond(message),
-                    Some((&SUCCEEDED, _)) => return Ok(V::default()),
+                match message.as_slice() {
+                    [CALLS_ALL] => respond(),
+                    [SUCCEEDED] => return Ok(V::default()),
                     _ => return Err(CommandError::from(RankError::Ended { exit_code: 2 }).into()),
                 }
             }
         };
-        let call_all = |message: &[u8]| {
-            communicator.broadcast([&[CALLS_ALL], message].concat());
-        };
+        let call_all = || drop(communicator.broadcast(vec![CALLS_ALL]));
         let result = match self.error.take() {
             Some(error) => Err(error),
             None => call(&mut **recorder, &call_all),
@@ -75,14 +99,24 @@ impl<'a> RankRecorder<'a> {
         progress: &RunProgress,
         call: impl FnOnce(&mut dyn Recorder, &RunProgress) -> Result<V, Error>,
     ) -> Result<V, Error> {
-        let call_root = |recorder: &mut dyn Recorder, call_all: &dyn Fn(&[u8])| {
+        let writer = PartWriter {
+            communicator: self.communicator,
+            case: self.writer.case,
+            folder: self.writer.folder.clone(),
+            part: self.writer.part.clone(),
+        };
+        let save_part = || -> Result<SimulationState, Error> {
+            let state = (progress.save_state)()?;
+            Ok(writer.write_state(state).map_err(CommandError::from)?)
+        };
+        let call_root = |recorder: &mut dyn Recorder, call_all: &dyn Fn()| {
             let save_state = || {
-                call_all(&[]);
-                (progress.save_state)()
+                call_all();
+                save_part()
             };
             call(recorder, &RunProgress { save_state: &save_state, ..*progress })
         };
-        self.call(call_root, |_| drop((progress.save_state)()))
+        self.call(call_root, || drop(save_part()))
     }
 
     /// Keeps the first error of the root's recorder until the next call in which all ranks take part.
@@ -93,7 +127,7 @@ impl<'a> RankRecorder<'a> {
     }
 }
 
-impl Recorder for RankRecorder<'_> {
+impl Recorder for RankRecorder<'_, '_> {
     fn communicator(&self) -> Option<Arc<dyn Communicator>> {
         Some(Arc::clone(self.communicator))
     }
@@ -102,33 +136,47 @@ impl Recorder for RankRecorder<'_> {
         self.is_resumed
     }
 
+    fn set_part(&mut self, part: OutputPart) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.set_part(part.clone());
+        }
+        self.writer.part = Some(part);
+    }
+
     fn start(
         &mut self,
         tables: &[TableHeader],
         snapshots: Option<RegularTimes>,
         restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
     ) -> Result<(), Error> {
-        let restore = std::cell::RefCell::new(restore);
-        let start = |recorder: &mut dyn Recorder, call_all: &dyn Fn(&[u8])| {
-            recorder.start(tables, snapshots, &mut |state| {
-                let numbers =
-                    [state.steps as u64, state.time.to_bits(), state.initial_energy.to_bits()];
-                call_all(numbers.map(u64::to_le_bytes).as_flattened());
-                restore.borrow_mut()(state)
-            })
+        // Each rank restores its own part; without it none is restored.
+        let own = if self.is_resumed { Some(self.load_state()) } else { None };
+        let (own, failure) =
+            own.transpose().map_or_else(|error| (None, Some(error)), |own| (own, None));
+        let empty = SimulationState {
+            steps: 0,
+            time: 0.0,
+            initial_energy: 0.0,
+            sections: Default::default(),
         };
-        self.call(start, |message| {
-            let (numbers, _) = message.as_chunks();
-            let mut numbers = numbers.iter().map(|own| u64::from_le_bytes(*own));
-            let mut next = || numbers.next().unwrap_or_default();
-            let state = SimulationState {
-                steps: next() as usize,
-                time: f64::from_bits(next()),
-                initial_energy: f64::from_bits(next()),
-                sections: Default::default(),
-            };
-            restore.borrow_mut()(&state);
-        })
+        let own = own.unwrap_or(empty);
+        let restore = std::cell::RefCell::new(restore);
+        let start = |recorder: &mut dyn Recorder, call_all: &dyn Fn()| {
+            let found = recorder.start(tables, snapshots, &mut |_| {
+                call_all();
+                restore.borrow_mut()(&own)
+            });
+            match failure {
+                Some(failure) => Err(failure.into()),
+                None => found,
+            }
+        };
+        self.call(start, || {
+            restore.borrow_mut()(&own);
+        })?;
+        let shared = self.writer.check_shared_folder();
+        self.error = shared.map_err(|error| CommandError::from(error).into()).err();
+        self.call(|_, _| Ok(()), || {})
     }
 
     fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
@@ -137,12 +185,21 @@ impl Recorder for RankRecorder<'_> {
     }
 
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
-        self.keep_error(|recorder| recorder.record_snapshot(index, fields));
+        let written = self.writer.write_snapshot(index, &fields);
+        let name = self.writer.index_name(index);
+        if let (Some(recorder), None) = (&mut self.recorder, &self.error) {
+            self.error = written
+                .and_then(|(files, bytes)| {
+                    let index = (name, bytes.as_slice());
+                    Ok(recorder.run_files_mut().write_snapshot_index(index, files)?)
+                })
+                .err();
+        }
         Ok(())
     }
 
     fn begin_replay(&mut self) -> Result<(), Error> {
-        self.call(|recorder, _| recorder.begin_replay(), |_| {})
+        self.call(|recorder, _| recorder.begin_replay(), || {})
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

@@ -40,8 +40,10 @@ impl<'a> CheckpointTimer<'a> {
         if is_interrupted && !progress.is_finished {
             signals::set_stage(ProgramStage::WritingCheckpoint);
         }
-        let checkpoint = files.create_checkpoint((progress.save_state)())?;
+        let checkpoint =
+            files.create_checkpoint((progress.save_state)().map_err(CommandError::from)?)?;
         checkpoint.write(self.run_context.folder)?;
+        self.run_context.folder.remove_checkpoint_parts(Some(checkpoint.solver_state.steps))?;
         files.append_log(&format!("checkpoint at step {}", checkpoint.solver_state.steps));
         self.last_checkpoint_time = Instant::now();
         if is_interrupted && !progress.is_finished {

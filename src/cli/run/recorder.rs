@@ -5,13 +5,15 @@ use super::checkpoint::Checkpoint;
 use super::checkpoint_timer::CheckpointTimer;
 use super::run_files::{RunFiles, read_records};
 use crate::Error;
+use crate::cli::CommandError;
 use crate::cli::folder::{RunFolder, has_joint_files, snapshot_file_names};
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
 use crate::report::run::{DisplayTime, create_image, create_joint_lines};
 use crate::study::simulate::{
-    OutputFields, Recorder, RunProgress, RunRecords, StepStatistics, TableHeader, TableKind,
+    OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics, TableHeader,
+    TableKind,
 };
 use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
@@ -32,14 +34,15 @@ struct RunStart {
 }
 
 /// Recorder of the files of a run; holds the run lock of the folder until dropped.
-pub(super) struct FileRecorder<'a> {
+pub(in crate::cli) struct FileRecorder<'a> {
     run_context: &'a RunContext<'a>,
     /// Checkpoint to resume from, until the run starts.
     checkpoint: Option<Checkpoint>,
     is_resumed: bool,
     run_files: RunFiles<'a>,
     checkpoint_timer: CheckpointTimer<'a>,
-    snapshot_times: Option<RegularTimes>,
+    /// Part of the cells that this process holds.
+    part: Option<OutputPart>,
     progress_bar: DelayedProgressBar,
     /// Number of increments that the progress bar has advanced.
     shown_increments: u64,
@@ -62,7 +65,7 @@ impl<'a> FileRecorder<'a> {
             checkpoint,
             run_files: RunFiles::new(context.folder, lock),
             checkpoint_timer: CheckpointTimer::new(context),
-            snapshot_times: None,
+            part: None,
             progress_bar: DelayedProgressBar::new("run", PROGRESS_BAR_INCREMENTS as u64),
             shown_increments: 0,
             run_start: RunStart { wall_time: Instant::now(), step_count: 0, simulated_time: 0.0 },
@@ -76,6 +79,11 @@ impl<'a> FileRecorder<'a> {
     /// The tables cannot be written.
     pub(super) fn into_folder(self) -> Result<Option<RunFolder<'a>>, crate::cli::CommandError> {
         self.run_files.into_folder()
+    }
+
+    /// Returns the files of the run, to which those of other ranks are added.
+    pub(in crate::cli) fn run_files_mut(&mut self) -> &mut RunFiles<'a> {
+        &mut self.run_files
     }
 
     /// Advances the progress bar to `time` of `duration`, both in s.
@@ -116,6 +124,10 @@ impl Recorder for FileRecorder<'_> {
         self.is_resumed
     }
 
+    fn set_part(&mut self, part: OutputPart) {
+        self.part = Some(part);
+    }
+
     fn start(
         &mut self,
         tables: &[TableHeader],
@@ -125,19 +137,25 @@ impl Recorder for FileRecorder<'_> {
         match self.checkpoint.take() {
             None => {
                 let has_joints = has_joint_files(self.run_context.case);
-                self.run_files.begin_run(tables, snapshots.is_some(), has_joints)?;
+                self.run_files.begin_run(tables, snapshots, has_joints)?;
             }
             Some(checkpoint) => {
-                let case = self.run_context.case;
-                let snapshot = |index| {
-                    Some((snapshots.as_ref()?.time(index)?, snapshot_file_names(case, index)))
+                // Each of several ranks loads its own part.
+                let state = match self.part.as_ref().is_none_or(|part| part.is_whole()) {
+                    true => checkpoint
+                        .load_state(self.part.as_ref().map(|part| &part.state))
+                        .map_err(CommandError::from)?,
+                    false => checkpoint.solver_state.clone(),
                 };
-                self.run_files.resume_run(tables, &checkpoint, restore, snapshot)?;
+                let from = (&checkpoint, &state);
+                self.run_files.resume_run(tables, from, restore, snapshots)?;
+                if self.part.as_ref().is_none_or(OutputPart::is_whole) {
+                    self.run_files.join_snapshots(self.run_context.case)?;
+                }
                 (self.run_start.step_count, self.run_start.simulated_time) =
                     (checkpoint.solver_state.steps, checkpoint.solver_state.time);
             }
         }
-        self.snapshot_times = snapshots;
         self.checkpoint_timer = CheckpointTimer::new(self.run_context);
         self.run_start.wall_time = Instant::now();
         Ok(())
@@ -148,16 +166,14 @@ impl Recorder for FileRecorder<'_> {
     }
 
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
-        let Some(times) = self.snapshot_times else { return Ok(()) };
         let case = self.run_context.case;
         let image = create_image(case, &fields)?;
         let joints = has_joint_files(case)
             .then(|| create_joint_lines(&fields.joint_faces, fields.time))
             .transpose()?;
         drop(fields);
-        let names = |index| Some((times.time(index)?, snapshot_file_names(case, index)));
-        let list: Vec<(f64, Vec<String>)> = (0..=index).map_while(names).collect();
-        Ok(self.run_files.write_snapshot(&image, joints.as_ref(), &list)?)
+        let names = snapshot_file_names(case, index);
+        Ok(self.run_files.write_snapshot(&image, joints.as_ref(), names)?)
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

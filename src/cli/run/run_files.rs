@@ -1,32 +1,35 @@
 //! Files that a run appends to: tables and snapshots.
 
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, SnapshotFiles};
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
     AppendedFile, JOINT_SNAPSHOT_LIST_FILE, OutputError, ResultFolder, RunFolder,
-    SNAPSHOT_LIST_FILE,
+    SNAPSHOT_LIST_FILE, has_joint_files, is_part_name, snapshot_file_names,
 };
+use crate::cli::gather::{JoinedFiles, Parts};
 use crate::study::simulate::{
     RecordColumn, RecordTable, RunRecords, TableHeader, TableKind, column_unit,
 };
-use dynamics::simulation::SimulationState;
+use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
 use files::table_appender::{Appender, InterruptedTable};
 use files::vti::{ImageData, PolyData, format_collection};
 use files::{FileDigest, read_regular_file};
-use std::io::Write as _;
+use std::io::{self, Write};
 
 /// Tables and snapshots that a run writes, and the folder that contains them.
-pub(super) struct RunFiles<'a> {
+pub(in crate::cli) struct RunFiles<'a> {
     folder: &'a ResultFolder,
     /// Run lock of a resumed run, until [`Self::begin_run`] or [`Self::resume_run`] takes it over.
     run_lock: Option<Lock>,
     /// Folder of the run; `None` before the run begins.
     run_folder: Option<RunFolder<'a>>,
     table_appenders: Vec<(AppendedFile, Appender)>,
-    /// Lengths and checksums of the files of all snapshots so far, by index.
-    snapshot_digests: Vec<FileDigest>,
+    /// Snapshots so far, by index.
+    snapshots: Vec<SnapshotFiles>,
+    /// Times at which snapshots are due.
+    snapshot_times: Option<RegularTimes>,
 }
 
 impl From<TableKind> for AppendedFile {
@@ -47,16 +50,17 @@ impl<'a> RunFiles<'a> {
             run_lock: lock,
             run_folder: None,
             table_appenders: Vec::new(),
-            snapshot_digests: Vec::new(),
+            snapshots: Vec::new(),
+            snapshot_times: None,
         }
     }
 
-    /// Prepares the folder for a run from its beginning and creates its tables; `has_joints` states whether snapshots
-    /// have files of joints.
+    /// Prepares the folder for a run from its beginning and creates its tables; `has_joints` states whether snapshots,
+    /// which are due at the times `snapshots`, have files of joints.
     pub(super) fn begin_run(
         &mut self,
         tables: &[TableHeader],
-        has_snapshots: bool,
+        snapshots: Option<RegularTimes>,
         has_joints: bool,
     ) -> Result<(), CommandError> {
         let folder = self.folder;
@@ -70,34 +74,31 @@ impl<'a> RunFiles<'a> {
             let own = Appender::create(&folder.file_path(file), &header);
             self.table_appenders.push((file, own.map_err(OutputError::from_append_error)?));
         }
-        if has_snapshots {
+        if snapshots.is_some() {
             write_snapshot_lists(&mut run, &[], has_joints)?;
         }
+        self.snapshot_times = snapshots;
         self.run_folder = Some(run);
         Ok(())
     }
 
-    /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the solver state and returns the
-    /// number of snapshots due, or `None` if the state does not match the case; `snapshot` returns time, s, and file
-    /// names of a snapshot by its index. Nothing is changed before all files are found to match the checkpoint.
+    /// Prepares the folder for a run resumed from a checkpoint, whose state is `state`. `restore` restores the state of the
+    /// solver and returns the number of snapshots due, or `None` if the state does not match the case. Nothing is changed
+    /// before all files are found to match the checkpoint.
     pub(super) fn resume_run(
         &mut self,
         tables: &[TableHeader],
-        from: &Checkpoint,
+        (from, state): (&Checkpoint, &SimulationState),
         restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
-        snapshot: impl Fn(usize) -> Option<(f64, Vec<String>)>,
+        snapshots: Option<RegularTimes>,
     ) -> Result<(), CommandError> {
         let folder = self.folder;
-        let snapshots_due =
-            restore(&from.solver_state).filter(|_| from.table_digests.len() == tables.len());
-        let list = snapshots_due.map(|due| (0..due).map_while(snapshot).collect());
-        let list: Vec<(f64, Vec<String>)> =
-            list.ok_or_else(|| Checkpoint::create_mismatch_error(folder))?;
-        let names: Vec<&String> = list.iter().flat_map(|(_, names)| names).collect();
-        if names.len() != from.snapshot_digests.len() {
+        let snapshots_due = restore(state);
+        if snapshots_due != Some(from.snapshots.len()) || from.table_digests.len() != tables.len() {
             return Err(Checkpoint::create_mismatch_error(folder).into());
         }
-        for (name, written) in names.iter().zip(&from.snapshot_digests) {
+        let files = from.snapshots.iter().flat_map(|own| &own.files);
+        for (name, written) in files.clone() {
             folder.check_file(name, *written)?;
         }
         let mut found = Vec::new();
@@ -112,16 +113,15 @@ impl<'a> RunFiles<'a> {
             self.table_appenders
                 .push((file, own.resume().map_err(OutputError::from_append_error)?));
         }
-        if !list.is_empty() {
-            // The list on disk may contain snapshots of steps that will be repeated.
-            write_snapshot_lists(&mut run, &list, list[0].1.len() > 1)?;
-        }
-        names
-            .iter()
-            .zip(&from.snapshot_digests)
-            .for_each(|(name, own)| run.insert_checksum(name, *own));
-        self.snapshot_digests.clone_from(&from.snapshot_digests);
+        files.for_each(|(name, own)| run.insert_checksum(name, *own));
+        self.snapshots.clone_from(&from.snapshots);
+        self.snapshot_times = snapshots;
         self.run_folder = Some(run);
+        if let Some(first) = self.snapshots.first() {
+            // The list on disk may contain snapshots of steps that will be repeated.
+            let has_joints = first.names.len() > 1;
+            self.write_lists(has_joints)?;
+        }
         Ok(())
     }
 
@@ -137,22 +137,79 @@ impl<'a> RunFiles<'a> {
         }
     }
 
-    /// Writes the files of a snapshot for ParaView, fields and joints if any, under the last names in `list`, which
-    /// holds times and names of all snapshots so far.
+    /// Writes the files of the next snapshot for ParaView, fields and joints if any, under the names `names`.
     pub(super) fn write_snapshot(
         &mut self,
         image: &ImageData,
         joints: Option<&PolyData>,
-        list: &[(f64, Vec<String>)],
+        names: Vec<String>,
     ) -> Result<(), CommandError> {
         let Some(run) = &mut self.run_folder else { return Ok(()) };
-        if let Some((_, names)) = list.last() {
-            let files = std::iter::once(image.to_bytes()).chain(joints.map(PolyData::to_bytes));
-            for (name, bytes) in names.iter().zip(files) {
-                self.snapshot_digests.push(run.write_result(name, &bytes)?);
-            }
+        let contents = std::iter::once(image.to_bytes()).chain(joints.map(PolyData::to_bytes));
+        let mut files = Vec::new();
+        for (name, bytes) in names.iter().zip(contents) {
+            files.push((name.clone(), run.write_result(name, &bytes)?));
         }
-        write_snapshot_lists(run, list, joints.is_some())
+        self.snapshots.push(SnapshotFiles { names, files });
+        self.write_lists(joints.is_some())
+    }
+
+    /// Writes the index `index` of the next snapshot under a name, of which the ranks have written the files `files`.
+    pub(in crate::cli) fn write_snapshot_index(
+        &mut self,
+        (name, index): (String, &[u8]),
+        mut files: Vec<(String, FileDigest)>,
+    ) -> Result<(), CommandError> {
+        let Some(run) = &mut self.run_folder else { return Ok(()) };
+        files.push((name.clone(), run.write_result(&name, index)?));
+        files.iter().for_each(|(name, own)| run.insert_checksum(name, *own));
+        self.snapshots.push(SnapshotFiles { names: vec![name], files });
+        self.write_lists(false)
+    }
+
+    /// Joins the snapshots that several ranks have written in parts, in a run that this process resumes alone. The parts
+    /// remain until the run finishes, since the last checkpoint refers to them.
+    pub(super) fn join_snapshots(&mut self, case: &Case) -> Result<(), CommandError> {
+        let (Some(run), Some(times), Some(solid_run)) =
+            (&mut self.run_folder, self.snapshot_times, &case.solid_run)
+        else {
+            return Ok(());
+        };
+        let folder = self.folder.path();
+        let mut is_any_joined = false;
+        for (index, snapshot) in self.snapshots.iter_mut().enumerate() {
+            let name = snapshot.names.first().filter(|name| is_part_name(name)).cloned();
+            let (Some(name), Some(time)) = (name, times.time(index)) else { continue };
+            let names: Vec<String> = snapshot.files.iter().map(|own| own.0.clone()).collect();
+            let mut joined = JoinedRunFiles { run, files: Vec::new() };
+            Parts { folder, case, solid_run, names: &names }.join_snapshot(
+                &mut joined,
+                (index, time),
+                &name,
+            )?;
+            let files = joined.files;
+            names.iter().for_each(|name| run.remove_checksum(name));
+            *snapshot = SnapshotFiles { names: snapshot_file_names(case, index), files };
+            is_any_joined = true;
+        }
+        if is_any_joined { self.write_lists(has_joint_files(case)) } else { Ok(()) }
+    }
+
+    /// Adds the checksums of files that the ranks have written.
+    pub(in crate::cli) fn insert_checksums(&mut self, files: &[(String, FileDigest)]) {
+        let Some(run) = &mut self.run_folder else { return };
+        files.iter().for_each(|(name, own)| run.insert_checksum(name, *own));
+    }
+
+    /// Writes the lists of snapshots, with that of joints if snapshots have files of joints.
+    fn write_lists(&mut self, has_joints: bool) -> Result<(), CommandError> {
+        let (Some(run), Some(times)) = (&mut self.run_folder, self.snapshot_times) else {
+            return Ok(());
+        };
+        let entry =
+            |(index, own): (usize, &SnapshotFiles)| Some((times.time(index)?, own.names.clone()));
+        let list: Vec<_> = self.snapshots.iter().enumerate().filter_map(entry).collect();
+        write_snapshot_lists(run, &list, has_joints)
     }
 
     /// Syncs the tables to disk and creates a checkpoint of `state`.
@@ -160,11 +217,8 @@ impl<'a> RunFiles<'a> {
         &mut self,
         state: SimulationState,
     ) -> Result<Checkpoint, CommandError> {
-        Ok(Checkpoint {
-            table_digests: self.sync_tables()?,
-            snapshot_digests: self.snapshot_digests.clone(),
-            solver_state: state,
-        })
+        let tables = self.sync_tables()?;
+        Ok(Checkpoint::new(self.folder, tables, self.snapshots.clone(), state))
     }
 
     /// Syncs the tables to disk and returns their lengths and checksums.
@@ -194,6 +248,24 @@ impl<'a> RunFiles<'a> {
         if let Ok(mut file) = files::open_to_append(&path) {
             let _ = writeln!(file, "{text}");
         }
+    }
+}
+
+/// Files of a run that have been joined from parts, with their lengths and checksums.
+struct JoinedRunFiles<'a, 'b> {
+    run: &'a mut RunFolder<'b>,
+    files: Vec<(String, FileDigest)>,
+}
+
+impl JoinedFiles for JoinedRunFiles<'_, '_> {
+    fn put(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let written = self.run.write_result_with(name, write)?;
+        self.files.push((name.to_owned(), written));
+        Ok(())
     }
 }
 

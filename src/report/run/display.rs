@@ -53,7 +53,11 @@ impl Display for SimulationPlan {
                 )
             }
         }?;
-        write!(formatter, ", memory {}; {}", self.required_memory, self.cost)
+        write!(formatter, ", memory {}", self.required_memory)?;
+        if self.rank_count > 1 {
+            write!(formatter, " in each of {} processes", self.rank_count)?;
+        }
+        write!(formatter, "; {}", self.cost)
     }
 }
 

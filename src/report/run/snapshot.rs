@@ -6,6 +6,7 @@ use crate::case::dynamics::SolidGrid;
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::{FieldQuantity, OutputFields, quantity_unit};
 use files::vti::{ImageData, ImageGrid, Storage};
+use std::ops::Range;
 
 /// Creates the ParaView image of the fields of one time; for flows on the deformed grid, for polar grids in Cartesian
 /// coordinates, with Cartesian components of the velocity.
@@ -13,7 +14,14 @@ use files::vti::{ImageData, ImageGrid, Storage};
 /// # Errors
 /// The case has no simulation, or the fields do not match its grid.
 pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Error> {
-    let grid = match case.time_domain_run()? {
+    let grid = create_image_grid(case)?;
+    let cells: Vec<Range<usize>> = grid.cells.iter().map(|count| 0..*count).collect();
+    create_image_piece(case, fields, &cells, Storage::Plain)
+}
+
+/// Returns the grid of the ParaView images of a case.
+fn create_image_grid(case: &Case) -> Result<ImageGrid, Error> {
+    Ok(match case.time_domain_run()? {
         TimeDomainRun::Solid(solid_run) => {
             let own = &solid_run.grid;
             ImageGrid {
@@ -29,14 +37,46 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
                 .map(|axis| run.grid.lengths[axis] / run.grid.points[axis] as f64)
                 .to_vec(),
         },
-    };
+    })
+}
+
+/// Creates an image without arrays of the cells `cells` along each axis, at a time, s.
+///
+/// # Errors
+/// The case has no simulation, or the cells do not match its grid.
+pub fn create_empty_image(
+    case: &Case,
+    (time, deformation_gradient): (f64, Option<[[f64; 2]; 2]>),
+    cells: &[Range<usize>],
+    storage: Storage,
+) -> Result<ImageData, Error> {
+    let grid = create_image_grid(case)?;
     let polar = case.solid_run.as_ref().map(|run| &run.grid).filter(|grid| grid.is_polar());
-    let mut image = match (fields.deformation_gradient, polar) {
-        (Some(deformation), _) => ImageData::with_deformation(grid, deformation, Storage::Plain)?,
-        (None, Some(_)) => ImageData::with_nodes(grid, SolidGrid::to_cartesian, Storage::Plain)?,
-        (None, None) => ImageData::new(grid, Storage::Plain)?,
+    let mut image = match deformation_gradient {
+        Some(deformation) => ImageData::with_deformation(grid, deformation, storage)?,
+        None => ImageData::new_piece(grid, cells, storage)?,
     };
-    image.set_time(fields.time)?;
+    if polar.is_some() {
+        image.map_nodes(SolidGrid::to_cartesian);
+    }
+    image.set_time(time)?;
+    Ok(image)
+}
+
+/// Creates the image of a part of the cells as [`create_image`] does: `fields` are those of the cells `cells` along each
+/// axis.
+///
+/// # Errors
+/// As [`create_image`].
+pub fn create_image_piece(
+    case: &Case,
+    fields: &OutputFields,
+    cells: &[Range<usize>],
+    storage: Storage,
+) -> Result<ImageData, Error> {
+    let moment = (fields.time, fields.deformation_gradient);
+    let mut image = create_empty_image(case, moment, cells, storage)?;
+    let polar = case.solid_run.as_ref().map(|run| &run.grid).filter(|grid| grid.is_polar());
     let is_velocity = |own: &&FieldQuantity| {
         own.name.strip_prefix('v').is_some_and(|axis| ["1", "2", "3"].contains(&axis))
     };
@@ -46,7 +86,9 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
         (Some(grid), [along_angle, along_radius]) => {
             let [mut x, mut y] = [Vec::new(), Vec::new()];
             for (cell, (a, b)) in along_angle.iter().zip(*along_radius).enumerate() {
-                let cartesian = reflect_components(grid, cell, [*a, *b]);
+                // The angle depends on the first coordinate alone.
+                let column = cells[0].start + cell % cells[0].len();
+                let cartesian = reflect_components(grid, column, [*a, *b]);
                 x.push(cartesian[0]);
                 y.push(cartesian[1]);
             }

@@ -34,7 +34,20 @@ pub(super) fn create_pictures(
         }
     };
     let mut pictures = vec![final_state("run", solid_run.output.plotted_quantity)];
-    pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
+    pictures.extend(create_record_pictures(case, records));
+    if !fields.plastic_dissipation.is_empty()
+        && solid_run.output.plotted_quantity != PlottedQuantity::Dissipation
+    {
+        pictures.push(final_state("dissipation", PlottedQuantity::Dissipation));
+    }
+    if let Some(figure) = create_fluid_figure(case, solid_run, fields) {
+        pictures.push(ReportPicture::new("fluid", move |format| figure.draw(format)));
+    }
+    pictures
+}
+
+/// Creates the pictures of receivers and of the energy ledger.
+pub(super) fn create_record_pictures(case: &Case, records: &RunRecords) -> Vec<ReportPicture> {
     let describe_term = |name: &str| match name {
         "kinetic" => "kinetic energy",
         "stored" => "stored energy",
@@ -56,16 +69,9 @@ pub(super) fn create_pictures(
         "residual" => "residual",
         _ => "balance: numerical dissipation",
     };
-    pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
-    if !fields.plastic_dissipation.is_empty()
-        && solid_run.output.plotted_quantity != PlottedQuantity::Dissipation
-    {
-        pictures.push(final_state("dissipation", PlottedQuantity::Dissipation));
-    }
-    if let Some(figure) = create_fluid_figure(case, solid_run, fields) {
-        pictures.push(ReportPicture::new("fluid", move |format| figure.draw(format)));
-    }
-    pictures
+    let seismograms = records.receivers.as_ref().map(|table| create_seismograms(case, table));
+    let ledger = create_ledger_picture(case, &records.ledger, describe_term);
+    seismograms.into_iter().chain(ledger).collect()
 }
 
 /// Creates the figure of the circulation of the fluid in saturated joints; `None` without such joints.

@@ -67,10 +67,10 @@ pub(super) fn find_whole_boundary_condition(
         .find(|entry| entry.face == boundary && entry.rectangle.is_none())
 }
 
-/// Creates the probe of a receiver; `of_cell` contains the index of the medium of each cell.
+/// Creates the probe of a receiver; `medium_index` returns the index of the medium of a cell.
 pub(crate) fn create_probe(
     solid_run: &SolidRun,
-    of_cell: &[u16],
+    medium_index: impl Fn(usize) -> usize,
     receiver: &ReceiverPoint<RecordedQuantity>,
 ) -> Probe {
     let grid = &solid_run.grid;
@@ -83,5 +83,5 @@ pub(crate) fn create_probe(
         |axis: usize| (receiver.position[axis] - grid.origin[axis]) / grid.spacing[axis] - 0.5;
     let at: Vec<f64> = axes().map(grid_coordinate).collect();
     let is_periodic: Vec<bool> = axes().map(|axis| is_periodic(solid_run, axis)).collect();
-    Probe::with_interpolation(&grid.cells, &is_periodic, of_cell, home, &at)
+    Probe::with_interpolation(&grid.cells, &is_periodic, medium_index, home, &at)
 }

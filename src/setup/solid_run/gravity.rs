@@ -18,7 +18,7 @@ impl GridConverter<'_> {
     pub(super) fn compute_gravity_and_initial_stress<const D: usize>(
         &self,
         media: &[Medium],
-        of_cell: &[u16],
+        medium_index: impl Fn(usize) -> usize,
     ) -> Result<([f64; D], Option<(usize, Vec<Stress>)>), CaseError> {
         let mut uniform = Stress::default();
         for (component, value) in &self.solid_run.initial_stress {
@@ -42,6 +42,7 @@ impl GridConverter<'_> {
                 None => acceleration.copy_from_slice(&gravity.acceleration),
                 Some(axis) => {
                     let cells = &grid.cells;
+                    let of_cell = (0..grid.cell_count()).map(medium_index);
                     let densities = layer_densities(cells, axis, media, of_cell)
                         .map_err(|uneven| self.create_uneven_layer_error(axis, uneven))?;
                     let mut all = vec![uniform; cells[axis]];

@@ -1,6 +1,7 @@
 //! Initial state of a solid simulation.
 
 use super::geometry::{cell_centre, coordinate_difference, distance};
+use super::grid_part::GridPart;
 use super::pulse::IncidentPulse;
 use super::ranges::WaveRange;
 use super::{GridConverter, analysis_unknown_name};
@@ -11,32 +12,39 @@ use crate::setup::solid::{create_elastic_law_and_set, wave_normal};
 use analysis::waves::plane_waves;
 use dynamics::contact_law::ContactLaw;
 use dynamics::initial::normalise_velocity;
-use dynamics::medium::Medium;
+use dynamics::problem::Problem;
 use models::common::elementary::{Elementary, cr_cis};
 use models::rheology::relaxation::SymmetricTensor;
 use models::solid::waves::SolidField;
 use num_complex::Complex64;
+use std::cell::Cell;
 
-/// Initial fields as sums over the terms of the initial state of the case.
+/// Initial fields of the cells of this process as sums over the terms of the initial state of the case.
 struct FieldSums<'a> {
     solid_run: &'a SolidRun,
-    /// Fields that at least one term sets, with their values by cell in SI units.
+    part: &'a GridPart,
+    /// Fields that at least one term sets, with their values by cell of the process in SI units.
     fields: Vec<(SolidField, Vec<f64>)>,
     /// Largest magnitude of the values of each of the fields; NaN if a value is NaN.
     max_magnitudes: Vec<f64>,
 }
 
 impl FieldSums<'_> {
-    /// Adds a function `value` of position, m, to a field: evaluated at the cell centres, in the order of the cells.
-    fn add_field(&mut self, field: SolidField, mut value: impl FnMut(&[f64]) -> f64) {
+    /// Adds a function `value` of position, m, to a field: evaluated at the cell centres.
+    fn add_field(&mut self, field: SolidField, value: impl Fn(&[f64]) -> f64) {
+        self.add_field_by_cell(field, |_, x| value(x));
+    }
+
+    /// Adds a function `value` of cell and position, m, to a field.
+    fn add_field_by_cell(&mut self, field: SolidField, value: impl Fn(usize, &[f64]) -> f64) {
         let index = self.fields.iter().position(|own| own.0 == field).unwrap_or_else(|| {
-            self.fields.push((field, vec![0.0; self.solid_run.grid.cell_count()]));
+            self.fields.push((field, vec![0.0; self.part.cell_count()]));
             self.max_magnitudes.push(0.0);
             self.fields.len() - 1
         });
         let mut max = 0.0f64;
-        for (cell, own) in self.fields[index].1.iter_mut().enumerate() {
-            *own += value(&cell_centre(self.solid_run, cell));
+        for (cell, own) in self.part.cells().zip(&mut self.fields[index].1) {
+            *own += value(cell, &cell_centre(self.solid_run, cell));
             max = if own.abs() <= max || max.is_nan() { max } else { own.abs() };
         }
         self.max_magnitudes[index] = max;
@@ -44,18 +52,24 @@ impl FieldSums<'_> {
 }
 
 impl GridConverter<'_> {
-    /// Returns the initial fields that are set, with their values by cell, for these media; `range` is that of the
-    /// values.
+    /// Returns the initial fields that are set, with their values by cell of this process, for the media of a problem;
+    /// `range` is that of the values.
     pub(super) fn create_initial_fields<const D: usize>(
         &self,
         case: &Case,
-        media: &[Medium],
+        problem: &Problem<D>,
         range: &WaveRange,
+        part: &GridPart,
     ) -> Result<Vec<(SolidField, Vec<f64>)>, Error> {
-        let mut sums =
-            FieldSums { solid_run: self.solid_run, fields: Vec::new(), max_magnitudes: Vec::new() };
-        for (index, part) in self.solid_run.initial_terms.iter().enumerate() {
-            match part {
+        let media = problem.media.as_slice();
+        let mut sums = FieldSums {
+            solid_run: self.solid_run,
+            part,
+            fields: Vec::new(),
+            max_magnitudes: Vec::new(),
+        };
+        for (index, term) in self.solid_run.initial_terms.iter().enumerate() {
+            match term {
                 InitialStateTerm::Pulse { component: field, amplitude, centre, radius } => {
                     let axes: Vec<usize> = (0..D).collect();
                     sums.add_field(field.0, |x| {
@@ -72,7 +86,7 @@ impl GridConverter<'_> {
                     sums.add_field(field.0, |x| if shape.contains(x) { *amplitude } else { 0.0 });
                 }
                 InitialStateTerm::Rotation { shape, angle_deg, axis } => {
-                    self.add_rotation(&mut sums, case, shape, *angle_deg, *axis)?;
+                    self.add_rotation(&mut sums, case, problem, shape, (*angle_deg, *axis))?;
                 }
                 InitialStateTerm::RigidRotation { shape, center, rate, axis } => {
                     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -93,16 +107,15 @@ impl GridConverter<'_> {
                 }
                 InitialStateTerm::Loosening { shape, extension, axis } => {
                     let key = format!("initial[{index}]");
-                    self.add_loosening::<D>(&mut sums, media, shape, (*extension, *axis), &key)?;
+                    self.add_loosening(&mut sums, problem, shape, (*extension, *axis), &key)?;
                 }
                 InitialStateTerm::PlanePulse(pulse) => {
-                    let of_cell = self.solid_run.compute_cell_media()?;
                     let key = format!("initial[{index}]");
-                    let wave = IncidentPulse::new(case, self.solid_run, &of_cell, pulse, &key)?;
+                    let wave =
+                        IncidentPulse::new(case, self.solid_run, (problem, part), pulse, &key)?;
                     for &field in &self.first_medium.fields {
-                        let mut media = of_cell.iter();
-                        sums.add_field(field, |x| {
-                            media.next().map_or(0.0, |medium| wave.field_value(field, x, *medium))
+                        sums.add_field_by_cell(field, |cell, x| {
+                            wave.field_value(field, x, problem.medium_index(cell))
                         });
                     }
                 }
@@ -136,6 +149,7 @@ impl GridConverter<'_> {
                     }
                 }
             }
+            part.take_greatest(&mut sums.max_magnitudes);
             for ((field, _), max) in sums.fields.iter().zip(&sums.max_magnitudes) {
                 range.check_initial_values(index, *field, *max)?;
             }
@@ -145,22 +159,19 @@ impl GridConverter<'_> {
 
     /// Adds the stress of a microrotation φ (`angle_deg`) about `axis` inside `shape`, without displacement: σ_ij =
     /// −σ_ji = 2αφ with (i, j, `axis`) in cyclic order and the antisymmetric modulus α, Pa, of the medium of each cell.
-    fn add_rotation(
+    fn add_rotation<const D: usize>(
         &self,
         sums: &mut FieldSums,
         case: &Case,
+        problem: &Problem<D>,
         shape: &RegionShape,
-        angle_deg: f64,
-        axis: usize,
+        (angle_deg, axis): (f64, usize),
     ) -> Result<(), Error> {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         let compute_antisymmetric_moduli = self.compute_antisymmetric_moduli(case)?;
-        let of_cell = self.solid_run.compute_cell_media()?;
         for (field, sign) in [(SolidField::Stress(i, j), 1.0), (SolidField::Stress(j, i), -1.0)] {
-            let mut cell = 0;
-            sums.add_field(field, |x| {
-                let alpha = compute_antisymmetric_moduli[usize::from(of_cell[cell])];
-                cell += 1;
+            sums.add_field_by_cell(field, |cell, x| {
+                let alpha = compute_antisymmetric_moduli[problem.medium_index(cell)];
                 match shape.contains(x) {
                     true => sign * 2.0 * alpha * angle_deg.to_radians(),
                     false => 0.0,
@@ -175,12 +186,11 @@ impl GridConverter<'_> {
     fn add_loosening<const D: usize>(
         &self,
         sums: &mut FieldSums,
-        media: &[Medium],
+        problem: &Problem<D>,
         shape: &RegionShape,
         (extension, axis): (f64, Option<usize>),
         key: &str,
     ) -> Result<(), Error> {
-        let of_cell = self.solid_run.compute_cell_media()?;
         let strain: [f64; 3] =
             std::array::from_fn(
                 |i| {
@@ -188,7 +198,7 @@ impl GridConverter<'_> {
                 },
             );
         let mut excess = Vec::new();
-        for medium in media {
+        for medium in &problem.media {
             let Some(ContactLaw::Granular { law, closed, .. }) = medium.contact else {
                 excess.push([0.0; 3]);
                 continue;
@@ -203,17 +213,19 @@ impl GridConverter<'_> {
             }
             excess.push(normal);
         }
-        let mut has_granular_cell = false;
+        let has_granular_cell = Cell::new(false);
         for i in 0..3 {
-            let by_medium: Vec<f64> = excess.iter().map(|own| own[i]).collect();
-            let mut values = of_cell.iter().map(|medium| by_medium[usize::from(*medium)]);
-            sums.add_field(SolidField::ExcessStress(i, i), |x| {
-                let value = values.next().filter(|_| shape.contains(x)).unwrap_or(0.0);
-                has_granular_cell |= value != 0.0;
+            let of_media: Vec<f64> = excess.iter().map(|own| own[i]).collect();
+            sums.add_field_by_cell(SolidField::ExcessStress(i, i), |cell, x| {
+                let value =
+                    if shape.contains(x) { of_media[problem.medium_index(cell)] } else { 0.0 };
+                has_granular_cell.set(has_granular_cell.get() || value != 0.0);
                 value
             });
         }
-        if !has_granular_cell {
+        let mut is_found = [f64::from(u8::from(has_granular_cell.get()))];
+        sums.part.take_greatest(&mut is_found);
+        if is_found == [0.0] {
             let found = "a shape without cells of a granular medium";
             let allowed = "a shape that contains centres of such cells";
             return Err(self.solid_run.key_error(key, found, allowed).into());

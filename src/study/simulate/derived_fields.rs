@@ -4,7 +4,6 @@ use super::{FieldQuantity, OutputFields};
 use crate::case::dynamics::StateComponent;
 use dynamics::contact_law::ContactLaw;
 use dynamics::medium::Medium;
-use dynamics::problem::Problem;
 use models::solid::waves::SolidField;
 
 /// Adds the volumetric strain tr ε = tr(σ + x)/(3(k_a + k_b)) of media whose pores have a contact by cone, from the stress
@@ -12,8 +11,9 @@ use models::solid::waves::SolidField;
 ///
 /// Media with a contact by cone have no field of the porosity: shear dilates the contact, so that the volume of the pores
 /// does not follow from tr ε alone.
-pub(super) fn add_volumetric_strain<const D: usize>(
-    problem: &Problem<D>,
+pub(super) fn add_volumetric_strain(
+    media: &[Medium],
+    cell_media: &[u16],
     quantities: &mut Vec<FieldQuantity>,
 ) {
     let compliance = |medium: &Medium| match medium.contact {
@@ -22,17 +22,17 @@ pub(super) fn add_volumetric_strain<const D: usize>(
         ) => 1.0 / (3.0 * closed.lambda + 2.0 * closed.mu),
         _ => 0.0,
     };
-    let compliances: Vec<f64> = problem.media.iter().map(compliance).collect();
+    let compliances: Vec<f64> = media.iter().map(compliance).collect();
     if compliances.iter().all(|own| *own == 0.0) {
         return;
     }
-    let mut strains = vec![0.0; problem.cell_media.len()];
+    let mut strains = vec![0.0; cell_media.len()];
     for axis in 0..3 {
         for field in [SolidField::Stress(axis, axis), SolidField::ExcessStress(axis, axis)] {
             let name = StateComponent(field).to_string();
             let Some(found) = quantities.iter().find(|own| own.name == name) else { return };
             for (cell, strain) in strains.iter_mut().enumerate() {
-                let compliance = compliances[usize::from(problem.cell_media[cell])];
+                let compliance = compliances[usize::from(cell_media[cell])];
                 *strain += compliance * found.values[cell];
             }
         }
@@ -46,8 +46,9 @@ pub(super) fn add_volumetric_strain<const D: usize>(
 
 /// Computes the porosity θ₀ + tr ε − κ from the volumetric strain and the closure κ of the pores; 0 in media without
 /// pores. `None` if no medium has pores.
-pub(super) fn porosity<const D: usize>(
-    problem: &Problem<D>,
+pub(super) fn porosity(
+    media: &[Medium],
+    cell_media: &[u16],
     quantities: &[FieldQuantity],
 ) -> Option<FieldQuantity> {
     let values = |field: SolidField| {
@@ -56,12 +57,11 @@ pub(super) fn porosity<const D: usize>(
     };
     let strains = values(SolidField::VolumetricStrain)?;
     let closures = values(SolidField::PoreClosure)?;
-    let porosity = |(cell, medium): (usize, &u16)| match problem.media[usize::from(*medium)].contact
-    {
+    let porosity = |(cell, medium): (usize, &u16)| match media[usize::from(*medium)].contact {
         Some(ContactLaw::Porous { law, .. }) => law.porosity + strains[cell] - closures[cell],
         _ => 0.0,
     };
-    let values = problem.cell_media.iter().enumerate().map(porosity).collect();
+    let values = cell_media.iter().enumerate().map(porosity).collect();
     Some(FieldQuantity::new("porosity".to_owned(), values))
 }
 

@@ -100,7 +100,7 @@ impl<'a> FlowJob<'a> {
 }
 
 impl SimulationJob for FlowJob<'_> {
-    fn plan(&self, keeps_snapshots: bool) -> Result<SimulationPlan, Error> {
+    fn plan(&self, keeps_snapshots: bool, rank_count: usize) -> Result<SimulationPlan, Error> {
         let run = self.flow_run;
         let work = ProblemSize::Flow {
             point_counts: run.grid.points,
@@ -114,6 +114,7 @@ impl SimulationJob for FlowJob<'_> {
             (NUMBERS_PER_POINT + kept) * size_of::<f64>() as f64 * run.grid.point_count() as f64;
         let plan = SimulationPlan {
             problem_size: work,
+            rank_count,
             required_memory: Bytes(needed),
             cost: self.estimate_cost(),
         };
@@ -222,6 +223,7 @@ impl FlowJob<'_> {
             receivers: self.flow_run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,
             records: found.records,
+            is_part: false,
         }
     }
 }

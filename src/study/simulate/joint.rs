@@ -146,6 +146,52 @@ impl JointSummary {
     }
 }
 
+impl JointSummary {
+    /// Returns counts, extremes and times as numbers; 0 for times of events that have not happened.
+    pub(super) fn to_numbers(self) -> [f64; 8] {
+        [
+            self.face_count as f64,
+            self.slipped_count as f64,
+            self.open_count as f64,
+            self.broken_count as f64,
+            self.max_slip,
+            self.max_opening,
+            self.first_slip_time.unwrap_or(0.0),
+            self.first_fracture_time.unwrap_or(0.0),
+        ]
+    }
+
+    /// Returns the summary with these numbers; `None` without faces.
+    pub(super) fn from_numbers(numbers: &[f64; 8]) -> Option<Self> {
+        let time = |time: f64| (time > 0.0).then_some(time);
+        (numbers[0] > 0.0).then(|| Self {
+            face_count: numbers[0] as usize,
+            slipped_count: numbers[1] as usize,
+            open_count: numbers[2] as usize,
+            broken_count: numbers[3] as usize,
+            max_slip: numbers[4],
+            max_opening: numbers[5],
+            first_slip_time: time(numbers[6]),
+            first_fracture_time: time(numbers[7]),
+        })
+    }
+
+    /// Summarises the faces of two summaries.
+    pub(super) fn merge(self, other: Self) -> Self {
+        let first = |one: Option<f64>, other| [one, other].into_iter().flatten().reduce(f64::min);
+        Self {
+            face_count: self.face_count + other.face_count,
+            slipped_count: self.slipped_count + other.slipped_count,
+            open_count: self.open_count + other.open_count,
+            broken_count: self.broken_count + other.broken_count,
+            max_slip: self.max_slip.max(other.max_slip),
+            max_opening: self.max_opening.max(other.max_opening),
+            first_slip_time: first(self.first_slip_time, other.first_slip_time),
+            first_fracture_time: first(self.first_fracture_time, other.first_fracture_time),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,6 +233,11 @@ mod tests {
             first_fracture_time: Some(3e-5),
         };
         assert_eq!(JointSummary::new(&faces), Some(expected));
+        let [one, other] =
+            [&faces[..3], &faces[3..]].map(|own| JointSummary::new(own).expect("faces"));
+        assert_eq!(one.merge(other), expected);
+        assert_eq!(JointSummary::from_numbers(&expected.to_numbers()), Some(expected));
+        assert_eq!(JointSummary::from_numbers(&[0.0; 8]), None);
         assert_eq!(JointSummary::new(&[]), None);
         let still = JointSummary::new(&faces[..1]).expect("a face");
         assert_eq!((still.first_slip_time, still.first_fracture_time), (None, None));

@@ -1,8 +1,8 @@
 //! Observer of the simulation driver that converts its output to table rows and fields for a recorder.
 
 use super::{
-    OutputFields, Recorder, RunProgress, RunRecords, StepStatistics, StopReport, TableHeader,
-    TableKind,
+    OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics, StopReport,
+    TableHeader, TableKind,
 };
 use crate::Error;
 use crate::case::Case;
@@ -31,6 +31,11 @@ pub(super) trait OutputConverter<S: Simulation> {
 
     /// Converts the output fields at `time`, s.
     fn convert_fields(&self, simulation: &S, fields: S::Fields, time: f64) -> OutputFields;
+
+    /// Returns the part of the cells that this process holds; `None` (flows) if there are no parts.
+    fn find_part(&self, _simulation: &S) -> Option<OutputPart> {
+        None
+    }
 
     /// Returns the statistics of the time steps; `last` is the most recent recorded account.
     fn step_statistics(&self, simulation: &S, last: &S::Account) -> StepStatistics;
@@ -75,6 +80,9 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
     let accounts = converter.account_tables();
     let tables: Vec<TableHeader> = receivers.into_iter().chain(accounts.iter().cloned()).collect();
     let is_resumed = recorder.is_resumed();
+    if let Some(part) = converter.find_part(&simulation) {
+        recorder.set_part(part);
+    }
     recorder.start(&tables, output.snapshots, &mut |state| {
         let is_own = simulation.restore(state);
         is_own.then(|| output.snapshots.map_or(0, |times| times.count_reached(&simulation)))
@@ -129,7 +137,7 @@ impl<V> RecorderObserver<'_, V> {
             duration: self.duration,
             is_finished: simulation.is_finished(),
             statistics: self.converter.step_statistics(simulation, last),
-            save_state: &|| simulation.state(),
+            save_state: &|| Ok(simulation.state()),
         };
         take(self.recorder, &progress)
     }

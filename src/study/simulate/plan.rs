@@ -11,7 +11,9 @@ use dynamics::simulation::StepLimit;
 pub struct SimulationPlan {
     /// Size of the solver problem.
     pub problem_size: ProblemSize,
-    /// Estimated peak memory.
+    /// Number of processes among which the cells are distributed.
+    pub rank_count: usize,
+    /// Estimated peak memory of each process.
     pub required_memory: Bytes,
     /// Estimated time, steps, files and bytes.
     pub cost: Cost,

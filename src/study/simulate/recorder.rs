@@ -4,7 +4,8 @@ use super::{OutputFields, RunRecords, quantity_unit};
 use crate::Error;
 use crate::case::Case;
 use dynamics::decomposition::communicator::Communicator;
-use dynamics::simulation::{RegularTimes, SimulationState};
+use dynamics::simulation::{RegularTimes, SimulationState, StatePart};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Kind of a table to which a simulation appends rows.
@@ -69,8 +70,8 @@ pub struct RunProgress<'a> {
     pub is_finished: bool,
     /// Statistics of the time steps.
     pub statistics: StepStatistics,
-    /// Function that returns the complete state for a checkpoint.
-    pub save_state: &'a dyn Fn() -> SimulationState,
+    /// Function that returns the complete state for a checkpoint; it fails if ranks cannot save their parts.
+    pub save_state: &'a dyn Fn() -> Result<SimulationState, Error>,
 }
 
 /// Statistics of the time steps of a solid or a flow.
@@ -100,10 +101,28 @@ pub enum StepStatistics {
     },
 }
 
+/// Part of the cells of a solid that a process holds: those of its rank, or all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputPart {
+    /// Part of the state for checkpoints.
+    pub state: StatePart,
+    /// Cells along each axis of the grid, whose fields are the output.
+    pub cells: Vec<Range<usize>>,
+}
+
+impl OutputPart {
+    /// Whether the process holds all cells.
+    pub fn is_whole(&self) -> bool {
+        let StatePart { grid_cells, cells, .. } = &self.state;
+        cells.iter().zip(grid_cells).all(|(own, count)| *own == (0..*count))
+    }
+}
+
 /// Recorder of the output of a simulation. An error returned by any method ends the run.
 pub trait Recorder: Send {
     /// Returns the communication between the ranks that make the simulation together; `None` if this process makes it
-    /// alone. Each rank has a recorder; only that of the root receives records and complete fields.
+    /// alone. Each rank has a recorder, which receives the fields of the cells of the rank; only that of the root receives
+    /// records.
     fn communicator(&self) -> Option<Arc<dyn Communicator>> {
         None
     }
@@ -112,6 +131,9 @@ pub trait Recorder: Send {
     fn is_resumed(&self) -> bool {
         false
     }
+
+    /// Receives the part of the cells that this process holds, before the recording starts.
+    fn set_part(&mut self, _part: OutputPart) {}
 
     /// Starts recording the given tables, and snapshots at the given times. The recorder of a resumed run calls
     /// `restore` with the saved state; `restore` returns the number of snapshots recorded before, or `None` if the

@@ -2,6 +2,7 @@
 
 use super::{JointFace, JointSummary, SimulationWarning, StopReport};
 use crate::study::SolidVerdict;
+use dynamics::decomposition::communicator::Communicator;
 use serde::{Serialize, Serializer};
 
 /// Result of a simulation of a solid or a flow; members that exist only for the other kind are `None`.
@@ -69,6 +70,9 @@ pub struct RunResult {
     /// Recorded time series: receivers, energy ledger, spectrum, snapshots.
     #[serde(skip)]
     pub records: RunRecords,
+    /// Whether the fields are those of the cells of one of several ranks.
+    #[serde(skip)]
+    pub is_part: bool,
 }
 
 fn serialize_quantity_names<S: Serializer>(
@@ -180,6 +184,32 @@ impl FinalLedger {
 }
 
 impl RunResult {
+    /// Replaces the numbers that this rank has found in its cells by those of all ranks, which call it together.
+    pub(super) fn combine_ranks(&mut self, communicator: &dyn Communicator) {
+        let encode = |summary: Option<JointSummary>, strain: Option<f64>| {
+            let numbers = summary.map_or([0.0; 8], JointSummary::to_numbers);
+            let all = numbers.into_iter().chain([strain.unwrap_or(0.0)]);
+            all.flat_map(f64::to_le_bytes).collect::<Vec<u8>>()
+        };
+        let decode = |message: &[u8]| {
+            let numbers: Vec<f64> =
+                message.as_chunks().0.iter().map(|own| f64::from_le_bytes(*own)).collect();
+            let (numbers, strain) =
+                numbers.as_slice().split_first_chunk().unwrap_or((&[0.0; 8], &[]));
+            let strain = strain.first().copied().filter(|strain| *strain > 0.0);
+            (JointSummary::from_numbers(numbers), strain)
+        };
+        let (mut summary, mut strain) = (None, None);
+        let own = encode(self.joint_summary, self.large_strain);
+        communicator.gather(own, &mut |_, message| {
+            let other = decode(&message);
+            summary = [summary, other.0].into_iter().flatten().reduce(JointSummary::merge);
+            strain = [strain, other.1].into_iter().flatten().reduce(f64::max);
+        });
+        (self.joint_summary, self.large_strain) =
+            decode(&communicator.broadcast(encode(summary, strain)));
+    }
+
     /// Returns the warnings that follow from the result.
     pub fn warnings(&self) -> Vec<SimulationWarning> {
         let strain = self.large_strain.map(|strain| SimulationWarning::LargeStrain { strain });
@@ -287,6 +317,7 @@ mod tests {
             joint_summary: None,
             receivers: Vec::new(),
             stop_report: None,
+            is_part: false,
             records: RunRecords::default(),
         }
     }

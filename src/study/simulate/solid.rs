@@ -10,7 +10,7 @@ use super::plan::snapshot_count;
 use super::recorder::energy_unit;
 use super::{
     Bytes, Cost, FieldQuantity, FinalLedger, IllPosedness, JointFace, JointSummary, OutputFields,
-    ProblemSize, Recorder, RunReceiver, RunResult, SimulationJob, SimulationPlan,
+    OutputPart, ProblemSize, Recorder, RunReceiver, RunResult, SimulationJob, SimulationPlan,
     SimulationWarning, StepStatistics, StopCause, StopReport, TableHeader, TableKind,
 };
 use crate::Error;
@@ -103,8 +103,8 @@ impl<'a> SolidJob<'a> {
     /// values, of joints, and of the copies of the fields for a checkpoint, for the results or for a snapshot, whichever
     /// is largest; plus all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger,
     /// since pictures are drawn when the solver has been dropped. Freed copies stay with the allocator, so that they
-    /// count in both cases.
-    fn estimate_memory(&self, keeps_snapshots: bool) -> Bytes {
+    /// count in both cases. Of several ranks each has a part of all but the program and the boundaries.
+    fn estimate_memory(&self, keeps_snapshots: bool, rank_count: usize) -> Bytes {
         let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
         let wide = size_of::<f64>() as f64;
         let saved = (Medium::state_fields(&self.media).len() * self.number_size()) as f64;
@@ -130,10 +130,13 @@ impl<'a> SolidJob<'a> {
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
         let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
         let [solver, boundaries] = self.estimate_solver_memory();
+        // Of several ranks each has a part of the cells, and all have the values at boundaries.
+        let cells = grid.cell_count() as f64 / rank_count as f64;
+        let (solver, joints) = (solver / rank_count as f64, joints / rank_count as f64);
         Bytes(
             PROGRAM_MEMORY_BYTES
                 + boundaries
-                + grid.cell_count() as f64 * per_cell
+                + cells * per_cell
                 + joints
                 + solver.max(PICTURE_MEMORY_BYTES + joint_pictures),
         )
@@ -257,7 +260,7 @@ impl SolidJob<'_> {
 }
 
 impl SimulationJob for SolidJob<'_> {
-    fn plan(&self, keeps_snapshots: bool) -> Result<SimulationPlan, Error> {
+    fn plan(&self, keeps_snapshots: bool, rank_count: usize) -> Result<SimulationPlan, Error> {
         let (solid_run, media) = (self.solid_run, &self.media);
         let TimeSteps { count, step, limit, shear_interval, .. } =
             compute_time_steps(solid_run, media)?;
@@ -270,9 +273,10 @@ impl SimulationJob for SolidJob<'_> {
             step_limit: limit,
             shear_interval,
         };
-        let memory = self.estimate_memory(keeps_snapshots);
+        let memory = self.estimate_memory(keeps_snapshots, rank_count);
         let plan = SimulationPlan {
             problem_size: work,
+            rank_count,
             required_memory: memory,
             cost: self.estimate_cost(count as f64),
         };
@@ -288,9 +292,10 @@ impl SimulationJob for SolidJob<'_> {
 
     fn check_case(&self) -> Result<(), Error> {
         let media = self.media.clone();
+        let solver = SolverChoice::Fused { threads: 1 };
         match self.solid_run.grid.dimensions() {
-            2 => drop(SolidSetup::<2>::new(self.case, self.solid_run, media)?),
-            _ => drop(SolidSetup::<3>::new(self.case, self.solid_run, media)?),
+            2 => drop(SolidSetup::<2>::new(self.case, self.solid_run, media, &solver)?),
+            _ => drop(SolidSetup::<3>::new(self.case, self.solid_run, media, &solver)?),
         }
         Ok(())
     }
@@ -379,7 +384,12 @@ impl SolidJob<'_> {
         let accounts = lines as f64 * steps.step;
         let output = create_output_times(accounts, solid_run.output.snapshot_interval, duration);
         let found = run_with_recorder(self, simulation, &output, duration, recorder)?;
-        Ok(self.create_result(steps, found))
+        let mut result = self.create_result(steps, found);
+        if let Some(communicator) = recorder.communicator() {
+            result.is_part = communicator.size() > 1;
+            result.combine_ranks(&*communicator);
+        }
+        Ok(result)
     }
 
     /// Creates the solver with the initial state of the case; with several ranks, its part of this one.
@@ -388,11 +398,6 @@ impl SolidJob<'_> {
         communicator: Option<Arc<dyn Communicator>>,
     ) -> Result<SolidSimulation<T, D>, Error> {
         let solid_run = self.solid_run;
-        let SolidSetup { problem, time_steps, initial_fields } =
-            SolidSetup::<D>::new(self.case, solid_run, self.media.clone())?;
-        let of_cell = &problem.cell_media;
-        let probes =
-            solid_run.receivers.iter().map(|own| create_probe(solid_run, of_cell, own)).collect();
         let threads = rayon::current_num_threads();
         let solver = match (solid_run.scheme.ledger_detail, communicator) {
             (LedgerDetail::TotalsAndDissipation, _) => SolverChoice::Reference,
@@ -401,6 +406,11 @@ impl SolidJob<'_> {
             }
             (LedgerDetail::Totals, _) => SolverChoice::Fused { threads },
         };
+        let SolidSetup { problem, time_steps, initial_fields } =
+            SolidSetup::<D>::new(self.case, solid_run, self.media.clone(), &solver)?;
+        let medium_index = |cell| problem.medium_index(cell);
+        let receivers = solid_run.receivers.iter();
+        let probes = receivers.map(|own| create_probe(solid_run, medium_index, own)).collect();
         let simulation = SolidSimulation::new(problem, time_steps, initial_fields, probes, solver);
         Ok(simulation.map_err(|error| {
             solid_run.key_error("grid", error.to_string(), "see docs/case-file.md")
@@ -485,6 +495,7 @@ impl SolidJob<'_> {
             receivers: solid_run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,
             records: found.records,
+            is_part: false,
         }
     }
 }
@@ -513,30 +524,33 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         time: f64,
     ) -> OutputFields {
         let grid = &self.solid_run.grid;
-        let middles = |axis| (0..grid.cells[axis]).map(|i| grid.cell_centre(axis, i)).collect();
+        let cells = simulation.own_cells();
+        let middles =
+            |axis: usize| cells[axis].clone().map(|i| grid.cell_centre(axis, i)).collect();
         let has_regions =
             self.solid_run.materials().len() > usize::from(self.solid_run.blocks.is_some());
         let joint = |(face, record)| JointFace::new(grid, &face, record);
         let named = self.quantity_names.iter().zip(fields.values);
         let mut quantities: Vec<FieldQuantity> =
             named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect();
-        // Of several ranks only the root has values.
-        if quantities.iter().any(|own| !own.values.is_empty()) {
-            quantities.extend(porosity(simulation.problem(), &quantities));
-            add_volumetric_strain(simulation.problem(), &mut quantities);
-        }
+        // Indices of media fit u16.
+        let cell_media: Vec<u16> = simulation.own_cell_media().map(|own| own as u16).collect();
+        quantities.extend(porosity(&self.media, &cell_media, &quantities));
+        add_volumetric_strain(&self.media, &cell_media, &mut quantities);
         OutputFields {
             time,
-            coordinates: (0..grid.dimensions()).map(middles).collect(),
+            coordinates: (0..D).map(middles).collect(),
             deformation_gradient: None,
             quantities,
             plastic_dissipation: fields.plastic_dissipation,
-            region_indices: match has_regions {
-                true => simulation.problem().cell_media.clone(),
-                false => Vec::new(),
-            },
+            region_indices: if has_regions { cell_media } else { Vec::new() },
             joint_faces: fields.interlayers.into_iter().map(joint).collect(),
         }
+    }
+
+    fn find_part(&self, simulation: &SolidSimulation<T, D>) -> Option<OutputPart> {
+        let state = simulation.state_part()?;
+        Some(OutputPart { state, cells: simulation.own_cells().to_vec() })
     }
 
     fn step_statistics(

@@ -181,17 +181,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sets the values of a field in all cells, halo included, for which `value` is `Some`.
-    pub(crate) fn set_in_all_cells(
+    /// Sets values of a field in cells, halo included.
+    pub(crate) fn set_cells(
         &mut self,
         field: SolidField,
-        value: impl Fn(usize) -> Option<T>,
+        values: impl Iterator<Item = (usize, T)>,
     ) {
         let Some(offset) = self.field_offset(field) else { return };
-        for cell in 0..self.layout.cells.iter().product() {
-            if let Some(value) = value(cell) {
-                *self.value_at_mut(cell, offset) = value;
-            }
+        for (cell, value) in values {
+            *self.value_at_mut(cell, offset) = value;
         }
     }
 

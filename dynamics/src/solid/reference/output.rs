@@ -10,7 +10,7 @@ use crate::solid::ledger::{EnergySums, WorkSums};
 use crate::solid::line;
 use crate::solid::medium::{energy_terms_by_medium, stress_component};
 use crate::solid::reconstruction::GHOSTS;
-use crate::solid::snapshot::Snapshot;
+use crate::solid::snapshot::{Snapshot, StatePart};
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
@@ -18,6 +18,20 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Returns the number of output quantities per cell: fields and time integrals.
     pub fn quantity_count(&self) -> usize {
         self.fields.len() + self.time_integrals.len()
+    }
+
+    /// Returns the part of the state that this process holds: the whole one.
+    pub(crate) fn state_part(&self) -> StatePart {
+        let cells = self.problem.grid.cells;
+        let faces = self.problem.interlayer_faces().into_iter();
+        let layer = self.problem.grid.faces(D - 1);
+        let interlayers =
+            faces.map(|face| ([face.cell / layer, face.axis, face.cell], face.history.len()));
+        StatePart {
+            grid_cells: cells.to_vec(),
+            cells: cells.iter().map(|count| 0..*count).collect(),
+            interlayers: interlayers.collect(),
+        }
     }
 
     /// Returns the total stress in a cell of the problem.
