@@ -131,6 +131,9 @@ fn solid_case() -> String {
 /// Yielding Cosserat solid in space.
 const SPACE_CASE: &str = include_str!("data/program-space.toml");
 
+/// Keys of the section `[output]`, the last one of the case, for small snapshots.
+const SHORT_NUMBERS: &str = "snapshot_fields = ['v1', 'v2', 'v3', 'sigma13', 'm23']\nsnapshot_precision = 'f32'\nsnapshot_digits = 4\n";
+
 #[test]
 fn results_on_ranks_are_those_of_one_process() {
     let launchers = Launcher::find_all();
@@ -138,6 +141,7 @@ fn results_on_ranks_are_those_of_one_process() {
         ("solid", solid_case().replace("duration = 0.15", "duration = 0.04"), "--animations none"),
         ("joints", JOINT_CASE.replace("duration = 6e-4", "duration = 2e-4"), WITHOUT_PICTURES),
         ("space", SPACE_CASE.to_owned(), WITHOUT_PICTURES),
+        ("digits", format!("{SPACE_CASE}{SHORT_NUMBERS}"), WITHOUT_PICTURES),
     ];
     for (case_index, (name, text, options)) in cases.into_iter().enumerate() {
         let folder = create_case_folder(TEST_FOLDER, name, &text);

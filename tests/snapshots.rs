@@ -3,7 +3,7 @@
 use crate::support;
 
 use files::npz::read_arrays;
-use files::vti::{read_plain_time, read_plain_values};
+use files::vti::{list_arrays, read_plain_time, read_plain_values, read_values};
 use std::fs;
 use std::path::Path;
 use support::{create_run_options, run_case};
@@ -116,5 +116,43 @@ fn flow_snapshots_between_steps_are_second_order_accurate() {
         // The error of linear interpolation is of second order in the change during a step.
         let error = between - 0.5 * (before + after);
         assert!(error.abs() < 0.05 * change, "{error} of {change}");
+    }
+}
+
+/// Verifies that short numbers differ from those of the solver by at most the error that the file states, that snapshots
+/// hold the fields that the case lists.
+#[test]
+fn short_numbers_have_the_stated_error() {
+    let run = |keys: &str| {
+        let here = create_scratch_folder();
+        run_on_two_threads(here.path(), &format!("{SOLID_CASE}snapshot_interval = 9e-4\n{keys}"));
+        here
+    };
+    let whole = run("");
+    let whole = read_snapshot(whole.path(), 2, "vti").expect("a snapshot");
+    for (keys, error) in [
+        ("snapshot_digits = 4\n", 0.5f64.powi(15)),
+        ("snapshot_precision = 'f32'\n", 0.5f64.powi(24)),
+        ("snapshot_precision = 'f32'\nsnapshot_digits = 3\n", 0.5f64.powi(11) + 0.5f64.powi(24)),
+    ] {
+        let folder = run(&format!("{keys}snapshot_fields = ['v1', 'v2', 'sigma22']\n"));
+        let short = read_snapshot(folder.path(), 2, "vti").expect("a snapshot");
+        let names: Vec<String> =
+            list_arrays(&short).expect("arrays").into_iter().map(|own| own.name).collect();
+        assert_eq!(names[..2], ["velocity [m/s]", "sigma22 [Pa]"]);
+        for name in &names[..2] {
+            let [exact, short] =
+                [&whole, &short].map(|bytes| read_values(bytes, name).expect("values"));
+            assert!(exact.len() == short.len() && exact.iter().any(|value| *value != 0.0));
+            let is_near = |(exact, short): (&f64, &f64)| {
+                (short - exact).abs() <= error * exact.abs() + f64::from(f32::MIN_POSITIVE)
+            };
+            assert!(exact.iter().zip(&short).all(is_near), "{keys}: {name}");
+        }
+        let text = String::from_utf8_lossy(&short);
+        let stated = text.split("RelativeRoundingError").nth(1).expect("an error");
+        let stated = stated.split('>').nth(1).and_then(|text| text.split('<').next());
+        assert_eq!(stated.expect("a number").parse(), Ok(error), "{keys}");
+        assert!(short.len() < whole.len() / 2);
     }
 }

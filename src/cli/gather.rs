@@ -15,15 +15,14 @@ use crate::cli::folder::JOINT_SNAPSHOT_LIST_FILE;
 use crate::report::PictureOptions;
 use crate::report::run::{
     create_empty_image, create_field_arrays, create_joint_lines, create_joint_tables,
+    snapshot_storage,
 };
 use crate::report::{ArrayData, DataArray};
 use crate::study::simulate::{FieldQuantity, OutputFields};
 use dynamics::simulation::RegularTimes;
 use files::npz::NpzWriter;
 use files::read_regular_file;
-use files::vti::{
-    ArrayDeclaration, Storage, format_collection, list_arrays, parse_index, read_array_bytes,
-};
+use files::vti::{ArrayDeclaration, format_collection, list_arrays, parse_index, read_array_bytes};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -147,7 +146,8 @@ impl Parts<'_> {
         let first = self.folder.join(&pieces.first().ok_or_else(|| odd(&path))?.file);
         let arrays = list_arrays(&self.read(&first)?).ok_or_else(|| odd(&first))?;
         let grid = self.grid_box();
-        let image = || create_empty_image(self.case, (time, None), &grid, Storage::Plain);
+        let image =
+            || create_empty_image(self.case, (time, None), &grid, snapshot_storage(self.case));
         image()?;
         let count = super::parts::count_cells(&grid);
         let fetch = |array: &ArrayDeclaration| -> io::Result<Vec<u8>> {

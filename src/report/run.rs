@@ -17,7 +17,9 @@ pub use archive::{create_field_arrays, create_record_arrays, read_fields};
 pub use display::DisplayTime;
 pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
-pub use snapshot::{create_empty_image, create_image, create_image_piece, read_snapshot};
+pub use snapshot::{
+    create_empty_image, create_image, create_image_piece, read_snapshot, snapshot_storage,
+};
 
 use super::format::{case_title, format_count, format_short};
 use super::{DataFile, Report, ReportPicture};

@@ -3,6 +3,7 @@
 use super::blocks::Blocks;
 use super::component::{StateComponent, component_names, components_in_scope};
 use super::reader::SolidReader;
+use super::snapshot_options::{self, SnapshotOptions};
 use super::time;
 use crate::error::CaseError;
 use crate::receivers::{self, Interpolation, ReceiverDomain, ReceiverPoint, read_receivers};
@@ -94,6 +95,9 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             "time between two rows of the energy ledger; 0: at most 1000 rows",
         ),
         SNAPSHOT_INTERVAL_KEY,
+        snapshot_options::FIELDS_KEY,
+        snapshot_options::PRECISION_KEY,
+        snapshot_options::DIGITS_KEY,
         KeySchema::new_optional(
             "integrals",
             ValueType::AnyOf(integral_names),
@@ -125,7 +129,7 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
 );
 
 /// Returns the names of all displacements and rotations of a solid.
-fn integral_names(scope: &SchemaScope) -> Vec<String> {
+pub(super) fn integral_names(scope: &SchemaScope) -> Vec<String> {
     components_in_scope(scope).into_iter().filter_map(StateComponent::integral_name).collect()
 }
 
@@ -157,6 +161,8 @@ pub struct SolidOutput {
     pub ledger_interval: f64,
     /// Time between two snapshots of all fields, s; 0 for none.
     pub snapshot_interval: f64,
+    /// Content of the snapshots.
+    pub snapshot_options: SnapshotOptions,
     /// Velocities and spins whose time integrals (displacements, rotations) are stored.
     pub integrated_components: Vec<StateComponent>,
     /// Quantity plotted in pictures.
@@ -254,7 +260,10 @@ impl SolidOutput {
             self.integrated_components.iter().filter_map(|own| own.integral_name()).collect();
         let resolved = TableWriter::default()
             .with_number("ledger_interval", self.ledger_interval)
-            .with_number("snapshot_interval", self.snapshot_interval)
+            .with_number("snapshot_interval", self.snapshot_interval);
+        let resolved = self
+            .snapshot_options
+            .append_to(resolved)
             .with_text_list("integrals", &integrals)
             .with_text("picture", self.plotted_quantity.name());
         let resolved = match &self.contour_levels {
@@ -317,6 +326,7 @@ impl SolidReader<'_> {
         let mut output = SolidOutput {
             ledger_interval: 0.0,
             snapshot_interval: 0.0,
+            snapshot_options: SnapshotOptions::default(),
             integrated_components: Vec::new(),
             plotted_quantity: PlottedQuantity::Speed,
             contour_levels: None,
@@ -367,6 +377,22 @@ impl SolidReader<'_> {
                 allowed,
             ));
         }
+        let mut fields = component_names(&self.recorded_components().collect::<Vec<_>>());
+        fields.extend(pictures.iter().filter_map(|picture| match picture {
+            PlottedQuantity::Speed
+            | PlottedQuantity::Face(_)
+            | PlottedQuantity::Component(_)
+            | PlottedQuantity::Dissipation => None,
+            PlottedQuantity::TimeIntegral(_) | PlottedQuantity::Porosity => Some(picture.name()),
+        }));
+        if self.has_pore_cones {
+            fields.push(StateComponent(SolidField::VolumetricStrain).to_string());
+        }
+        if yields {
+            fields.push(PlottedQuantity::Dissipation.name());
+        }
+        let picture = (output.plotted_quantity, self.dimensions());
+        output.snapshot_options = SnapshotOptions::read(&section, &fields, picture)?;
         output.contour_levels = section.read_optional("contours")?;
         if let (PlottedQuantity::Face(quantity), Some(levels)) =
             (output.plotted_quantity, &output.contour_levels)

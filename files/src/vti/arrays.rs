@@ -3,7 +3,9 @@
 use std::io::{self, Write};
 
 use super::attributes::{escape_xml, format_attribute};
-use super::encoding::{Storage, encode_compressed, encode_plain};
+use super::encoding::{
+    Storage, encode_compressed, encode_compressed_bytes, encode_plain, encode_plain_bytes,
+};
 use super::error::VtiError;
 use super::number::VtkNumber;
 use crate::csv::format_shortest;
@@ -86,6 +88,26 @@ impl CellArrays {
         });
     }
 
+    /// Adds an array with the bytes of its values.
+    pub(super) fn add_bytes(&mut self, array: &ArrayDeclaration, values: &[u8]) {
+        let bytes = match self.storage {
+            Storage::Plain => encode_plain_bytes(values),
+            Storage::Compressed => encode_compressed_bytes(values),
+        };
+        self.arrays.push(CellArray {
+            name: array.name.clone(),
+            vtk_type: array.vtk_type,
+            components: array.components,
+            length: bytes.len(),
+            bytes,
+        });
+    }
+
+    /// Whether values are stored without compression.
+    pub(super) fn is_plain(&self) -> bool {
+        self.storage == Storage::Plain
+    }
+
     /// Returns the arrays without their values.
     pub(super) fn declarations(&self) -> impl Iterator<Item = ArrayDeclaration> {
         self.arrays.iter().map(|own| ArrayDeclaration {
@@ -155,15 +177,28 @@ pub(super) fn format_array(
     )
 }
 
+/// Name of the number that states the rounding error of values.
+pub(super) const ROUNDING_ERROR_NAME: &str = "RelativeRoundingError";
+
 /// XML element of the time, with the name expected by VTK readers.
 pub(super) fn format_time_element(time: Option<f64>) -> String {
-    time.map_or_else(String::new, |time| {
-        let time = format_shortest(time);
-        format!(
-            "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" \
-             NumberOfTuples=\"1\" format=\"ascii\">{time}</DataArray>\n    </FieldData>\n"
-        )
-    })
+    format_number_elements(&[("TimeValue", time)])
+}
+
+/// XML element of the numbers of a file that are present.
+pub(super) fn format_number_elements(numbers: &[(&str, Option<f64>)]) -> String {
+    let element = |(name, number): &(&str, Option<f64>)| {
+        let number = format_shortest((*number)?);
+        Some(format!(
+            "      <DataArray type=\"Float64\" Name=\"{name}\" \
+             NumberOfTuples=\"1\" format=\"ascii\">{number}</DataArray>\n"
+        ))
+    };
+    let elements: String = numbers.iter().filter_map(element).collect();
+    match elements.is_empty() {
+        true => elements,
+        false => format!("    <FieldData>\n{elements}    </FieldData>\n"),
+    }
 }
 
 pub(super) fn check_length(name: &str, found: usize, expected: usize) -> Result<(), VtiError> {

@@ -27,27 +27,44 @@ pub(super) fn encode_plain<T: VtkNumber>(values: &[T]) -> Vec<u8> {
     bytes
 }
 
+/// Encodes the bytes of values as [`encode_plain`] does.
+pub(super) fn encode_plain_bytes(values: &[u8]) -> Vec<u8> {
+    [&(values.len() as u64).to_le_bytes(), values].concat()
+}
+
 /// Length of a block before compression, bytes: several of the compressor's windows of 32 KiB.
 pub(super) const BLOCK_LENGTH: usize = 1 << 18;
 
 /// Encodes values in compressed blocks, preceded by the number of blocks, the length of a block, the length of the
 /// last block if shorter (otherwise zero), and the compressed length of each block.
 pub(super) fn encode_compressed<T: VtkNumber>(values: &[T]) -> Vec<u8> {
-    let mut lengths = Vec::new();
-    let mut blocks = Vec::new();
     let mut bytes = Vec::with_capacity(BLOCK_LENGTH);
-    for block in values.chunks(BLOCK_LENGTH / size_of::<T>()) {
+    let block = |values: &[T]| {
         bytes.clear();
-        block.iter().for_each(|value| value.append_bytes(&mut bytes));
-        let start = blocks.len();
-        let mut encoder = ZlibEncoder::new(blocks, Compression::default());
-        encoder.write_all(&bytes).expect(MEMORY_WRITE_MESSAGE);
-        blocks = encoder.finish().expect(MEMORY_WRITE_MESSAGE);
-        lengths.push(blocks.len() - start);
-    }
-    let head = [lengths.len(), BLOCK_LENGTH, size_of_val(values) % BLOCK_LENGTH];
-    let numbers = head.into_iter().chain(lengths);
+        values.iter().for_each(|value| value.append_bytes(&mut bytes));
+        compress(&bytes)
+    };
+    let blocks = values.chunks(BLOCK_LENGTH / size_of::<T>()).map(block);
+    join_blocks(blocks, size_of_val(values))
+}
+
+/// Encodes the bytes of values as [`encode_compressed`] does.
+pub(super) fn encode_compressed_bytes(values: &[u8]) -> Vec<u8> {
+    join_blocks(values.chunks(BLOCK_LENGTH).map(compress), values.len())
+}
+
+fn compress(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).expect(MEMORY_WRITE_MESSAGE);
+    encoder.finish().expect(MEMORY_WRITE_MESSAGE)
+}
+
+/// Joins compressed blocks of `length` bytes before compression.
+fn join_blocks(blocks: impl Iterator<Item = Vec<u8>>, length: usize) -> Vec<u8> {
+    let blocks: Vec<Vec<u8>> = blocks.collect();
+    let head = [blocks.len(), BLOCK_LENGTH, length % BLOCK_LENGTH];
+    let numbers = head.into_iter().chain(blocks.iter().map(Vec::len));
     let mut encoded: Vec<u8> = numbers.flat_map(|number| (number as u64).to_le_bytes()).collect();
-    encoded.extend(blocks);
+    encoded.extend(blocks.into_iter().flatten());
     encoded
 }

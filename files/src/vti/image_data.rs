@@ -4,7 +4,9 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::Path;
 
-use super::arrays::{CellArrays, FILE_END, check_length, format_time_element};
+use super::arrays::{
+    CellArrays, FILE_END, ROUNDING_ERROR_NAME, check_length, format_number_elements,
+};
 use super::attributes::check_time;
 use super::encoding::{MEMORY_WRITE_MESSAGE, Storage};
 use super::error::VtiError;
@@ -33,6 +35,7 @@ pub struct ImageData {
     /// Encoded node coordinates of a deformed grid.
     pub(super) nodes: Option<Vec<u8>>,
     pub(super) time: Option<f64>,
+    rounding_error: Option<f64>,
     pub(super) arrays: CellArrays,
 }
 
@@ -60,6 +63,7 @@ impl ImageData {
             cells: cells.to_vec(),
             nodes: None,
             time: None,
+            rounding_error: None,
             arrays: CellArrays::new(storage),
         })
     }
@@ -121,6 +125,11 @@ impl ImageData {
         Ok(())
     }
 
+    /// States the largest relative rounding error of the numbers of all arrays.
+    pub fn set_rounding_error(&mut self, error: f64) {
+        self.rounding_error = Some(error);
+    }
+
     /// Adds a cell array with interleaved components, cells along the first axis fastest.
     pub fn add_array<T: VtkNumber>(
         &mut self,
@@ -177,7 +186,8 @@ impl ImageData {
         let extent = format_cell_extent(&self.cells);
         let origin = format_triple(&self.grid.origin, 0.0);
         let spacing = format_triple(&self.grid.spacing, 1.0);
-        let (time, arrays) = (format_time_element(self.time), self.arrays.format_elements());
+        let numbers = [("TimeValue", self.time), (ROUNDING_ERROR_NAME, self.rounding_error)];
+        let (time, arrays) = (format_number_elements(&numbers), self.arrays.format_elements());
         let (kind, geometry, nodes) = match self.nodes {
             None => {
                 ("ImageData", format!(" Origin=\"{origin}\" Spacing=\"{spacing}\""), String::new())

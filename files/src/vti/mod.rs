@@ -15,6 +15,7 @@ mod number;
 mod pieces;
 mod poly_data;
 mod reader;
+mod rounding;
 #[cfg(test)]
 mod tests;
 
@@ -28,5 +29,7 @@ pub use number::VtkNumber;
 pub use pieces::{PieceFile, parse_index};
 pub use poly_data::{POINTS_ARRAY, PolyData};
 pub use reader::{
-    list_arrays, read_array_bytes, read_plain_integers, read_plain_time, read_plain_values,
+    list_arrays, read_array_bytes, read_integers, read_plain_integers, read_plain_time,
+    read_plain_values, read_values,
 };
+pub use rounding::{round_to_digits, rounding_error};

@@ -66,6 +66,13 @@ impl ImageData {
         writer: &mut impl Write,
         mut fetch: impl FnMut(&ArrayDeclaration) -> io::Result<Vec<u8>>,
     ) -> io::Result<()> {
+        if !self.arrays.is_plain() {
+            // Offsets follow from the compressed lengths of all arrays.
+            for array in arrays {
+                self.arrays.add_bytes(array, &fetch(array)?);
+            }
+            return self.write_to(writer);
+        }
         arrays.iter().for_each(|array| self.arrays.declare(array, self.cell_count));
         writer.write_all(self.format_header().as_bytes())?;
         for array in arrays {

@@ -20,6 +20,33 @@ pub fn read_plain_integers(bytes: &[u8], name: &str) -> Option<Vec<i32>> {
     Some(numbers.iter().map(|number| i32::from_le_bytes(*number)).collect())
 }
 
+/// Values of an array of doubles or of single-precision numbers, compressed or not; `None` if the file has another format
+/// or is damaged, or the array is absent.
+pub fn read_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
+    let array = list_arrays(bytes)?.into_iter().find(|own| own.name == name)?;
+    let values = read_array_bytes(bytes, &array)?;
+    match (array.vtk_type, array.cell_size() / array.components.max(1)) {
+        (f64::VTK_TYPE, 8) => {
+            let (numbers, []) = values.as_chunks() else { return None };
+            Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
+        }
+        (f32::VTK_TYPE, 4) => {
+            let (numbers, []) = values.as_chunks() else { return None };
+            Some(numbers.iter().map(|number| f64::from(f32::from_le_bytes(*number))).collect())
+        }
+        _ => None,
+    }
+}
+
+/// Values of an array of 32-bit integers, as [`read_values`].
+pub fn read_integers(bytes: &[u8], name: &str) -> Option<Vec<i32>> {
+    let arrays = list_arrays(bytes)?.into_iter();
+    let array = arrays.filter(|own| own.vtk_type == i32::VTK_TYPE).find(|own| own.name == name)?;
+    let values = read_array_bytes(bytes, &array)?;
+    let (numbers, []) = values.as_chunks() else { return None };
+    Some(numbers.iter().map(|number| i32::from_le_bytes(*number)).collect())
+}
+
 /// Returns the bytes of the numbers of an array.
 fn find_array<'a>(bytes: &'a [u8], kind: &str, name: &str) -> Option<&'a [u8]> {
     let (head, values) = split_header(bytes)?;

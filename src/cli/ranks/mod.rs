@@ -23,6 +23,7 @@ use crate::study::simulate::create_job;
 use dynamics::decomposition::communicator::Communicator;
 #[cfg(unix)]
 use dynamics::decomposition::mpi::{Launcher, MpiError, MpiRank};
+use files::FileDigest;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -324,9 +325,9 @@ fn check_distributable(
 
 /// Describes what must be the same on all ranks, and the number of threads of this one.
 fn describe_rank(case: &Case, thread_count: Option<usize>) -> Result<Value, CommandError> {
-    let program = std::env::current_exe().and_then(std::fs::read);
+    let program = std::env::current_exe().and_then(|path| FileDigest::from_file(&path));
     let threads = create_thread_pool(thread_count)?.current_num_threads();
-    let program = program.map(|own| files::checksum(&own)).unwrap_or_default();
+    let program = program.map(|own| own.checksum).unwrap_or_default();
     Ok(json!({
         "program": format!("{VERSION} {program}"),
         "case": files::checksum(case.to_toml().as_bytes()),

@@ -2,10 +2,10 @@
 
 use super::polar::reflect_components;
 use crate::Error;
-use crate::case::dynamics::SolidGrid;
+use crate::case::dynamics::{Precision, SnapshotOptions, SolidGrid};
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::{FieldQuantity, OutputFields, quantity_unit};
-use files::vti::{ImageData, ImageGrid, Storage};
+use files::vti::{ImageData, ImageGrid, Storage, round_to_digits, rounding_error};
 use std::ops::Range;
 
 /// Creates the ParaView image of the fields of one time; for flows on the deformed grid, for polar grids in Cartesian
@@ -16,7 +16,57 @@ use std::ops::Range;
 pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Error> {
     let grid = create_image_grid(case)?;
     let cells: Vec<Range<usize>> = grid.cells.iter().map(|count| 0..*count).collect();
-    create_image_piece(case, fields, &cells, Storage::Plain)
+    create_image_piece(case, fields, &cells, snapshot_storage(case))
+}
+
+/// Returns the storage of the snapshots of a whole grid: compressed if their numbers are shortened.
+pub fn snapshot_storage(case: &Case) -> Storage {
+    match snapshot_options(case) {
+        SnapshotOptions { precision: Precision::F64, digits: None, .. } => Storage::Plain,
+        _ => Storage::Compressed,
+    }
+}
+
+fn snapshot_options(case: &Case) -> SnapshotOptions {
+    case.solid_run.as_ref().map(|run| run.output.snapshot_options.clone()).unwrap_or_default()
+}
+
+/// Returns the largest relative error of the numbers in snapshots of a solid; `None` if they are those of the solver.
+fn find_rounding_error(case: &Case) -> Option<f64> {
+    let run = case.solid_run.as_ref()?;
+    let SnapshotOptions { precision, digits, .. } = run.output.snapshot_options;
+    let narrows = precision == Precision::F32 && run.scheme.precision == Precision::F64;
+    let narrowing = if narrows { 0.5 * f64::from(f32::EPSILON) } else { 0.0 };
+    let error = digits.map_or(0.0, rounding_error) + narrowing;
+    (error > 0.0).then_some(error)
+}
+
+/// Adds an array with interleaved components, rounded and narrowed as the options demand.
+fn add_array(
+    image: &mut ImageData,
+    options: &SnapshotOptions,
+    (name, components): (&str, usize),
+    values: &[f64],
+) -> Result<(), Error> {
+    let round = |value: &f64| options.digits.map_or(*value, |own| round_to_digits(*value, own));
+    match (options.precision, options.digits) {
+        (Precision::F64, None) => image.add_array(name, components, values)?,
+        (Precision::F64, Some(_)) => {
+            image.add_array(name, components, &values.iter().map(round).collect::<Vec<f64>>())?;
+        }
+        (Precision::F32, _) => {
+            let narrow = values.iter().map(|value| round(value) as f32);
+            image.add_array(name, components, &narrow.collect::<Vec<f32>>())?;
+        }
+    }
+    Ok(())
+}
+
+/// Interleaves the components of a vector; missing ones are zero.
+fn interleave(axes: &[&[f64]]) -> Vec<f64> {
+    let cells = axes.first().map_or(0, |values| values.len());
+    let component = |cell: usize, axis: usize| axes.get(axis).map_or(0.0, |own| own[cell]);
+    (0..cells).flat_map(|cell| [0, 1, 2].map(|axis| component(cell, axis))).collect()
 }
 
 /// Returns the grid of the ParaView images of a case.
@@ -60,6 +110,9 @@ pub fn create_empty_image(
         image.map_nodes(SolidGrid::to_cartesian);
     }
     image.set_time(time)?;
+    if let Some(error) = find_rounding_error(case) {
+        image.set_rounding_error(error);
+    }
     Ok(image)
 }
 
@@ -80,7 +133,9 @@ pub fn create_image_piece(
     let is_velocity = |own: &&FieldQuantity| {
         own.name.strip_prefix('v').is_some_and(|axis| ["1", "2", "3"].contains(&axis))
     };
-    let of_velocity = fields.quantities.iter().filter(is_velocity);
+    let options = &snapshot_options(case);
+    let is_shown = |own: &&FieldQuantity| options.contains(&own.name);
+    let of_velocity = fields.quantities.iter().filter(is_velocity).filter(is_shown);
     let axes: Vec<&[f64]> = of_velocity.map(|own| own.values.as_slice()).collect();
     match (polar, axes.as_slice()) {
         (Some(grid), [along_angle, along_radius]) => {
@@ -92,15 +147,18 @@ pub fn create_image_piece(
                 x.push(cartesian[0]);
                 y.push(cartesian[1]);
             }
-            image.add_vector("velocity [m/s]", &[&x, &y])?;
+            add_array(&mut image, options, ("velocity [m/s]", 3), &interleave(&[&x, &y]))?;
         }
-        _ => image.add_vector("velocity [m/s]", &axes)?,
+        (_, []) => {}
+        _ => add_array(&mut image, options, ("velocity [m/s]", 3), &interleave(&axes))?,
     }
-    for own in fields.quantities.iter().filter(|own| !is_velocity(own)) {
-        image.add_array(&format!("{} [{}]", own.name, own.unit), 1, &own.values)?;
+    for own in fields.quantities.iter().filter(|own| !is_velocity(own)).filter(is_shown) {
+        let name = format!("{} [{}]", own.name, own.unit);
+        add_array(&mut image, options, (&name, 1), &own.values)?;
     }
-    if !fields.plastic_dissipation.is_empty() {
-        image.add_array("dissipation [J/m3]", 1, &fields.plastic_dissipation)?;
+    if !fields.plastic_dissipation.is_empty() && options.contains("dissipation") {
+        let name = ("dissipation [J/m3]", 1);
+        add_array(&mut image, options, name, &fields.plastic_dissipation)?;
     }
     if !fields.region_indices.is_empty() {
         let regions: Vec<i32> =
@@ -139,7 +197,7 @@ pub fn read_snapshot(case: &Case, bytes: &[u8]) -> Result<OutputFields, String> 
 
 /// Reads the named array of a snapshot; an error message if it is absent or has fewer than `cells` values.
 pub(super) fn read_array(bytes: &[u8], name: &str, cells: usize) -> Result<Vec<f64>, String> {
-    match files::vti::read_plain_values(bytes, name) {
+    match files::vti::read_values(bytes, name) {
         None => Err(format!("no array {name}")),
         Some(all) if all.len() < cells => Err(format!("too few values of {name}")),
         Some(all) => Ok(all),

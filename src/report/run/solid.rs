@@ -216,7 +216,7 @@ impl<'a> PlaneSection<'a> {
     /// Reads the regions of the cells of the picture from a snapshot; empty if it has no regions.
     pub(super) fn read_snapshot_regions(&self, bytes: &[u8]) -> Vec<u16> {
         let cells = self.solid_run.grid.cell_count();
-        let all = files::vti::read_plain_integers(bytes, "region");
+        let all = files::vti::read_integers(bytes, "region");
         let Some(all) = all.filter(|all| all.len() >= cells) else { return Vec::new() };
         let region = |cell: usize| u16::try_from(all[cell]).unwrap_or(u16::MAX);
         self.to_raster(self.cell_indices().map(region).collect(), u16::MAX)
