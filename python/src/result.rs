@@ -127,7 +127,7 @@ impl RawResult {
             let message = format!("picture: found '{name}'; expected one of: {allowed}");
             return Err(PyValueError::new_err(message));
         };
-        let options = PictureOptions { formats: vec![format], ..PictureOptions::default() };
+        let options = PictureOptions { formats: vec![format], ..PictureOptions::no_pictures() };
         let mut drawn = Vec::new();
         py.detach(|| {
             draw_pictures(&self.pictures[index..=index], &options, |_, bytes| {

@@ -108,7 +108,7 @@ fn plot_area_is_inside_the_frame() {
     let is_dark = |x: f64, y: f64| pixels[3 * (y as usize * columns + x as usize)] < 130;
     let along = |count: usize, start: f64, length: f64| {
         let end = count as f64 * (start + length);
-        [count as f64 * start, 0.5 * (count as f64 * start + end), end]
+        [count as f64 * start, end - 0.43 * count as f64 * length, end]
     };
     let ([x0, x1, x2], [y0, y1, y2]) = (along(columns, left, width), along(rows, top, height));
     for (x, y, direction) in [(x0, y1, -1.0), (x2, y1, 1.0), (x1, y0, -1.0), (x1, y2, 1.0)] {
