@@ -192,7 +192,7 @@ enum Verb {
     /// List the bundled cases, which every command takes by their names; print or copy them
     #[command(args_conflicts_with_subcommands = true)]
     Cases {
-        /// Copy all cases to this folder
+        /// Copy all cases to this folder, with their schema for editors
         #[arg(long = "copy", value_name = "DIR")]
         copy_folder: Option<PathBuf>,
         /// Overwrite files that exist with another text
@@ -207,7 +207,7 @@ enum Verb {
         #[arg(long, value_enum, default_value = "text")]
         format: FormatArgument,
     },
-    /// Write a commented template of a case file
+    /// Write a commented template of a case file, with the schema for editors beside it
     New {
         /// Kind of model, or a rheological scheme
         #[arg(value_parser = PossibleValuesParser::new(template_kinds().map(ModelKind::name)).try_map(parse_kind))]
@@ -553,7 +553,12 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
                 None => TemplateKind::SingleState,
             };
             let path = new::write_template(medium, purpose, file.as_deref(), force)?;
-            let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
+            let _ = writeln!(
+                std::io::stderr(),
+                "wrote {} (its schema for editors: {})",
+                path.display(),
+                new::SCHEMA_FILE
+            );
         }
         Verb::Schema { is_markdown: true } => {
             write!(stdout, "{}", wellposed::case::generate_reference())?

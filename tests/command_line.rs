@@ -303,7 +303,7 @@ fn case_file_is_never_overwritten() {
                 assert_eq!(fs::read(here.join(name)).unwrap(), before);
             }
         }
-        assert_eq!(list_entries(&here.join("results")).len(), 1);
+        assert_eq!(list_entries(&here.join("results")).len(), 2);
         fs::remove_dir_all(here.join("results")).unwrap();
     }
 }
