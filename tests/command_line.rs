@@ -122,6 +122,19 @@ fn former_names_print_a_warning() {
     assert!(stderr.contains(&format!("warning: --set {set}: {hint}\n")), "{stderr}");
 }
 
+/// Verifies that a number that the map varies anyway is not set without a word.
+#[test]
+fn settings_of_varied_numbers_print_a_warning() {
+    let here = create_case_folder(TEST_FOLDER, "varied-numbers", "");
+    let set = "model.friction_angle_deg=40";
+    let command =
+        format!("map noncoaxiality-bound --dry-run --set {set} --set background.pressure=2000");
+    let (_, stderr) = run_with_exit_code(0, &here, &command);
+    let warning =
+        format!("warning: --set {set}: no effect, since map.y varies model.friction_angle_deg\n");
+    assert!(stderr.contains(&warning) && stderr.matches("warning").count() == 1, "{stderr}");
+}
+
 #[test]
 fn new_overwrites_existing_case_only_with_force() {
     let here = create_folder(TEST_FOLDER, "new");

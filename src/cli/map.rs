@@ -3,7 +3,7 @@
 use super::load::load_case;
 use super::progress::{estimate_time, run_with_progress};
 use super::write::{CostEstimate, list_planned_paths, print_plan, select_folder, write_report};
-use crate::case::Case;
+use crate::case::{Case, MapAxes};
 use crate::cli::folder;
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
@@ -26,6 +26,7 @@ pub fn run_map(
     let case = load_case(options)?;
     case.check_without_contacts()?;
     let map = *case.require_map()?;
+    warn_of_varied_settings(&map, options);
     let folder = select_folder(&case, options)?;
     let states = map.x.point_count * map.y.point_count;
     if options.is_dry_run {
@@ -49,6 +50,22 @@ pub fn run_map(
         add_samples(&mut found, &case, &pool)?;
     }
     write_report(&found, &case, &folder, options, stdout)
+}
+
+/// Prints a warning for each option `--set` of a number that the map varies.
+fn warn_of_varied_settings(map: &MapAxes, options: &Options) {
+    for setting in &options.settings {
+        let key = setting.split('=').next().unwrap_or_default().trim();
+        for (axis, sweep) in [("x", &map.x), ("y", &map.y)] {
+            if key == sweep.parameter.name() {
+                // A closed standard error is ignored.
+                let _ = writeln!(
+                    std::io::stderr(),
+                    "warning: --set {setting}: no effect, since map.{axis} varies {key}"
+                );
+            }
+        }
+    }
 }
 
 /// Computes the curves that the page shows of a map.

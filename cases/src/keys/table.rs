@@ -214,7 +214,7 @@ static STATE_KEYS: &[Key] = keys! {
         INTRINSIC_SPIN_FLOWS, Or(0.0), Number(|n| &mut n.background.inertia_rate);
     "background.inertia_gradient": "inertia gradient ∇I" ["m"] "gradient of the moment of inertia";
         INTRINSIC_SPIN_FLOWS, Or(0.0), Pair(|n| &mut n.background.inertia_gradient);
-    "background.rotational_stress": "rotational stress r" ["Pa"] "rotational stress r = ½(σ₁₂ − σ₂₁), first index is the face normal; default: −m sign(Ω − s₂₁)";
+    "background.rotational_stress": "rotational stress r" ["Pa"] "rotational stress r = ½(σ₂₁ − σ₁₂), second index is the face normal; default: −m sign(Ω − s₂₁)";
         INTRINSIC_SPIN_FLOWS, Optional, OptionalNumber(|n| &mut n.background.rotational_stress);
     "background.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q; default: value at yield";
         FLOW_MODELS, Optional, in MaterialState::DEVIATORIC_STRESS, OptionalNumber(|n| &mut n.background.deviatoric_stress);
