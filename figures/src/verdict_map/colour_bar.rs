@@ -10,12 +10,14 @@ use crate::picture::{Anchor, INK, Picture, Rectangle, Text};
 use crate::scale::Tick;
 
 impl VerdictMap {
+    /// Draws the bar beside the frame. Levels with a contour line in the map are marked across the bar; `has_line` says
+    /// which of the ticks have one.
     pub(super) fn draw_colour_bar(
         &self,
         picture: &mut Picture,
         frame: Rectangle,
         range: &LevelRange,
-        ticks: &[Tick],
+        (ticks, has_line): (&[Tick], &[bool]),
     ) {
         let left = frame.right + BAR_GAP;
         let mut bar = Rectangle { left, right: left + BAR_WIDTH, ..frame };
@@ -47,10 +49,13 @@ impl VerdictMap {
             }
         }
         draw_shades(picture, bar, false, false);
-        for (tick, label) in ticks {
+        for ((tick, label), has_line) in ticks.iter().zip(has_line) {
             let share = (tick - range.low) / (range.high - range.low);
             let y = bar.bottom - share.clamp(0.0, 1.0) * bar.height();
-            picture.draw_line([[bar.left, y], [bar.right, y]], 1.6, contour_colour(range, *tick));
+            if *has_line {
+                let mark = [[bar.left, y], [bar.right, y]];
+                picture.draw_line(mark, 1.6, contour_colour(range, *tick));
+            }
             picture.draw_line([[bar.right, y], [bar.right + 8.0, y]], FRAME_LINE_WIDTH, INK);
             let at = [bar.right + 14.0, y + 0.36 * TICK_LABEL_SIZE];
             picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));

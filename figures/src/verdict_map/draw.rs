@@ -99,9 +99,9 @@ impl VerdictMap {
         let boundaries = Boundaries::new(&raster);
         self.draw_cells(&mut picture, frame, &raster, &boundaries, range.as_ref());
         self.draw_hatching(&mut picture, frame, &raster, &boundaries);
-        if let Some(range) = &range {
-            self.draw_contours(&mut picture, frame, (&raster, &boundaries), range, &bar_ticks);
-        }
+        let has_line = range.as_ref().map(|range| {
+            self.draw_contours(&mut picture, frame, (&raster, &boundaries), range, &bar_ticks)
+        });
         draw_borders(&mut picture, frame, &raster, &boundaries);
         let line_colour =
             |category: u8| category_fill(self.categories[usize::from(category)].fill_style).0;
@@ -122,8 +122,8 @@ impl VerdictMap {
         };
         page::draw_bottom_axis(&mut picture, frame, &placed(x_ticks, &across), &self.x.label);
         page::draw_left_axis(&mut picture, frame, &placed(y_ticks, &upwards), &self.y.label);
-        if let Some(range) = &range {
-            self.draw_colour_bar(&mut picture, frame, range, &bar_ticks);
+        if let (Some(range), Some(has_line)) = (&range, &has_line) {
+            self.draw_colour_bar(&mut picture, frame, range, (&bar_ticks, has_line));
         }
         legend.draw(&mut picture, MARGIN, frame.bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
         Ok(picture)

@@ -61,7 +61,7 @@ impl LevelRange {
 impl VerdictMap {
     /// Draws the contour lines at the ticks of the colour bar, separately for each category, since levels of different
     /// categories may be different quantities. Lines that nowhere leave the neighbourhood of a boundary are omitted:
-    /// the points do not resolve them.
+    /// the points do not resolve them. Returns for each tick whether it has a line.
     pub(super) fn draw_contours(
         &self,
         picture: &mut Picture,
@@ -69,7 +69,8 @@ impl VerdictMap {
         (raster, boundaries): (&VerdictRaster, &Boundaries),
         range: &LevelRange,
         ticks: &[Tick],
-    ) {
+    ) -> Vec<bool> {
+        let mut has_line = vec![false; ticks.len()];
         let logs: Vec<f64> = raster.levels.iter().map(|level| level.log10()).collect();
         for (index, category) in self.categories.iter().enumerate() {
             if !category.fill_style.is_ill_posed() {
@@ -79,7 +80,7 @@ impl VerdictMap {
                 let cell = raster.cell_index(column, row);
                 if usize::from(raster.categories[cell]) == index { logs[cell] } else { f64::NAN }
             };
-            for (tick, _) in ticks {
+            for ((tick, _), has_line) in ticks.iter().zip(&mut has_line) {
                 let colour = contour_colour(range, *tick);
                 for line in contour::trace_contours(raster.columns, raster.rows, value, *tick) {
                     let square = |[x, y]: Point| [x as usize, y as usize];
@@ -88,9 +89,11 @@ impl VerdictMap {
                     }
                     let place = |at: Point| raster.place(frame, at);
                     picture.draw_line(line.into_iter().map(place).collect::<Vec<_>>(), 1.6, colour);
+                    *has_line = true;
                 }
             }
         }
+        has_line
     }
 }
 
