@@ -138,7 +138,10 @@ fn map_of_the_page_has_the_numbers_of_table_and_point() {
         let values: Vec<u64> = values.map(|v| v.as_f64().unwrap_or(f64::NAN).to_bits()).collect();
         let cells = find_column(&columns, name).iter();
         let cells: Vec<u64> = cells.map(|c| c.parse().unwrap_or(f64::NAN).to_bits()).collect();
-        assert_eq!(values, cells, "{name}");
+        assert_eq!(values.len(), cells.len(), "{name}");
+        // The reader of JSON may be one unit in the last place off.
+        let is_equal = |(value, cell): (&u64, &u64)| value.abs_diff(*cell) <= 1;
+        assert!(values.iter().zip(&cells).all(is_equal), "{name}: {values:?}\n{cells:?}");
     }
     // The samples of all points, and one of them by `point`.
     let samples = &data["samples"];
