@@ -52,6 +52,9 @@ impl LedgerFigure {
             terms.map(|LedgerTerm { name, values }| RecordSeries { name: Some(name), values });
         let mut panels = vec![RecordPanel {
             label: &self.energy_label,
+            series_label: "",
+            // Small differences of large energies belong to the residual, not to the scale.
+            included_values: vec![0.0],
             series: terms.collect(),
             min_height: MIN_FRAME_HEIGHTS[0],
             height_weight: 4.0,
@@ -61,6 +64,8 @@ impl LedgerFigure {
             let series = vec![RecordSeries { name: None, values }];
             panels.push(RecordPanel {
                 label: name,
+                series_label: "",
+                included_values: Vec::new(),
                 series,
                 min_height: MIN_FRAME_HEIGHTS[1],
                 height_weight: 1.0,
@@ -114,6 +119,18 @@ mod tests {
             check(1, 1, size);
             check(7, 400, size);
         }
+    }
+
+    /// Two nearly constant energies are compared with zero, not with their difference.
+    #[test]
+    fn scale_of_the_terms_includes_zero() {
+        let mut figure = sample_figure(2, 50, |_| 0.0);
+        for (term, sign) in figure.terms.iter_mut().zip([1.0, -1.0]) {
+            term.values = figure.times.iter().map(|time| 0.25 + sign * 1e-6 * time).collect();
+        }
+        let texts = picture_texts(&figure.to_record_figure());
+        assert!(texts.contains(&"0".to_owned()), "{texts:?}");
+        assert!(texts.contains(&"energy, J/m".to_owned()), "{texts:?}");
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::scale::{self, FINITE_LIMIT, Tick};
 use crate::verdict_map::format_percent;
 
 /// Values of a record at the times of a figure.
+#[derive(Clone, Copy)]
 pub(crate) struct RecordSeries<'a> {
     /// Legend text; series with the same name share a style. Without name the series is drawn in a plain style.
     pub name: Option<&'a str>,
@@ -20,9 +21,14 @@ pub(crate) struct RecordSeries<'a> {
 }
 
 /// A panel across the figure with its own vertical scale.
+#[derive(Clone)]
 pub(crate) struct RecordPanel<'a> {
     /// Name, symbol and unit of the values; the panel title.
     pub label: &'a str,
+    /// Name of the only series, at the right end above the frame; empty for none.
+    pub series_label: &'a str,
+    /// Values that the scale includes beside those of the series.
+    pub included_values: Vec<f64>,
     pub series: Vec<RecordSeries<'a>>,
     /// Minimum height of the frame, pixels.
     pub min_height: f64,
@@ -35,6 +41,35 @@ impl RecordPanel<'_> {
     fn has_lines(&self) -> bool {
         let mut all = self.series.iter().flat_map(|series| series.values);
         all.any(|value| is_plottable(*value) && *value != 0.0)
+    }
+
+    /// Returns the least and the largest value that can be drawn; `None` if there is none.
+    fn value_range(&self) -> Option<[f64; 2]> {
+        let values = self.series.iter().flat_map(|series| series.values).copied();
+        values.filter(|value| is_plottable(*value)).map(|value| [value, value]).reduce(
+            |[low, high], [other, _]| [low.min(other), high.max(other)],
+        )
+    }
+
+    /// Gives each densely oscillating series a panel of its own, below the panel of the others and with the same scale,
+    /// if there are several: drawn in one panel, the last would cover the others.
+    fn separate_dense_series(self, times: &[f64]) -> Vec<Self> {
+        let Some([low, high]) = self.value_range() else { return vec![self] };
+        let is_dense = |series: &RecordSeries| is_dense(times, series.values, high - low);
+        let (dense, others): (Vec<_>, Vec<_>) = self.series.iter().copied().partition(is_dense);
+        if dense.len() < 2 {
+            return vec![self];
+        }
+        let first = (!others.is_empty()).then(|| Self { series: others, ..self.clone() });
+        let own = dense.into_iter().map(|series| Self {
+            series_label: series.name.unwrap_or_default(),
+            included_values: vec![low, high],
+            series: vec![RecordSeries { name: None, ..series }],
+            min_height: self.min_height.min(LOWEST_FRAME),
+            height_weight: self.height_weight.min(1.0),
+            ..self.clone()
+        });
+        first.into_iter().chain(own).collect()
     }
 
     /// Returns the minimum height of the frame on the page, pixels; on a low page, texts need as much as on a high one.
@@ -93,28 +128,27 @@ struct RecordScale {
 impl RecordScale {
     fn from_panel(panel: &RecordPanel, height: f64) -> Self {
         let all = || panel.series.iter().flat_map(|series| series.values.iter().copied());
-        let finite = || all().filter(|value| is_plottable(*value));
-        let (low, high) = finite()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            });
-        let size = low.abs().max(high.abs());
+        let range = panel.value_range();
         let with_message = |message: &str, ticks: Vec<Tick>| {
             let message = Some(message.to_owned());
             Self { low: -1.0, high: 1.0, ticks, multiplier: String::new(), message }
         };
-        if low > high {
+        let Some([low, high]) = range else {
             let is_empty = all().next().is_none();
             return with_message(
                 if is_empty { "no values" } else { "no finite values" },
                 Vec::new(),
             );
-        }
+        };
         let is_partial = all().any(|value| !is_plottable(value));
-        if size == 0.0 {
+        if [low, high] == [0.0; 2] {
             let message = if is_partial { "zero wherever it is finite" } else { "zero" };
             return with_message(message, vec![(0.0, "0".to_owned())]);
         }
+        let included = panel.included_values.iter();
+        let [low, high] = included
+            .fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)]);
+        let size = low.abs().max(high.abs());
         if high - low <= ROUND_OFF_TOLERANCE * size {
             let middle = 0.5 * (low + high);
             let ends = [middle - 0.5 * size, middle + 0.5 * size];
@@ -269,14 +303,10 @@ impl RecordFigure<'_> {
         let plain = LineStyle { colour, dashes: &[], width: LINE_WIDTH };
         let style = index.map_or(plain, LineStyle::from_index);
         let is_dense_in = |panel: &RecordPanel| {
-            let all = panel.series.iter().flat_map(|series| series.values).copied();
-            let [low, high] = all
-                .filter(|value| is_plottable(*value))
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                    [low.min(value), high.max(value)]
-                });
             let mut own = panel.series.iter().filter(|series| series.name == name);
-            high > low && own.any(|series| is_dense(self.times, series.values, high - low))
+            panel.value_range().is_some_and(|[low, high]| {
+                high > low && own.any(|series| is_dense(self.times, series.values, high - low))
+            })
         };
         match self.panels.iter().any(is_dense_in) {
             true => LineStyle { dashes: &[], width: DENSE_LINE_WIDTH, ..style },
@@ -339,6 +369,13 @@ impl RecordFigure<'_> {
 
     pub fn to_picture(&self) -> Result<Picture, FigureError> {
         self.validate()?;
+        let panels = self.panels.iter().cloned();
+        let panels = panels.flat_map(|panel| panel.separate_dense_series(self.times)).collect();
+        Ok(RecordFigure { panels, ..*self }.to_picture_of_panels())
+    }
+
+    /// Draws the panels as they are.
+    fn to_picture_of_panels(&self) -> Picture {
         let names = self.series_names();
         let legend = self.build_legend(&names);
         let top = page::heading_bottom(self.title, self.subtitle);
@@ -395,7 +432,7 @@ impl RecordFigure<'_> {
             picture.draw_text(Text::new(at, Anchor::Start, PANEL_TITLE_SIZE, "nothing recorded"));
         }
         legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS_HEIGHT + 22.0);
-        Ok(picture)
+        picture
     }
 
     fn draw_panel(
@@ -407,10 +444,16 @@ impl RecordFigure<'_> {
         (x_ticks, names): (&[Tick], &[&str]),
     ) {
         let label = scale::label_with_multiplier(panel.label, &scale.multiplier);
-        let (label, size) = page::fit_text(&label, PANEL_TITLE_SIZE, frame.width());
+        let baseline = frame.top - 0.36 * PANEL_TITLE_SIZE;
+        let (name, size) = page::fit_text(panel.series_label, PANEL_TITLE_SIZE, 0.5 * frame.width());
+        let mut free_width = frame.width();
+        if !name.is_empty() {
+            free_width -= text_width(&name, size, false) + PANEL_TITLE_SIZE;
+            picture.draw_text(Text::new([frame.right, baseline], Anchor::End, size, name));
+        }
+        let (label, size) = page::fit_text(&label, PANEL_TITLE_SIZE, free_width);
         if !label.is_empty() {
-            let at = [frame.left, frame.top - 0.36 * PANEL_TITLE_SIZE];
-            picture.draw_text(Text::new(at, Anchor::Start, size, label));
+            picture.draw_text(Text::new([frame.left, baseline], Anchor::Start, size, label));
         }
         for (x, _) in x_ticks {
             picture.draw_line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID_COLOUR);

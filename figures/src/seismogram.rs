@@ -59,7 +59,14 @@ impl SeismogramFigure {
             let series = traces
                 .map(|Trace { name, values }| RecordSeries { name: Some(name), values })
                 .collect();
-            RecordPanel { label, series, min_height: MIN_PANEL_HEIGHT, height_weight: 1.0 }
+            RecordPanel {
+                label,
+                series_label: "",
+                included_values: Vec::new(),
+                series,
+                min_height: MIN_PANEL_HEIGHT,
+                height_weight: 1.0,
+            }
         });
         RecordFigure {
             title: &self.title,

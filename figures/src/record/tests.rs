@@ -13,6 +13,17 @@ pub(crate) fn picture_texts(figure: &RecordFigure) -> Vec<String> {
     figure.to_picture().unwrap().texts().map(|text| text.content.clone()).collect()
 }
 
+fn create_panel<'a>(label: &'a str, series: Vec<RecordSeries<'a>>) -> RecordPanel<'a> {
+    RecordPanel {
+        label,
+        series_label: "",
+        included_values: Vec::new(),
+        series,
+        min_height: 100.0,
+        height_weight: 1.0,
+    }
+}
+
 fn decimate_by_column(times: &[f64], values: &[f64]) -> Vec<Vec<Point>> {
     decimate(times, values, |t, v| [t, -v], |a, b| a[0].floor() == b[0].floor())
 }
@@ -67,14 +78,9 @@ fn only_fast_oscillations_are_dense() {
 fn dense_records_have_one_style() {
     let times: Vec<f64> = (0..1000).map(f64::from).collect();
     let fast: Vec<f64> = times.iter().map(|time| (0.5 * time).sin()).collect();
-    let panel = |values| RecordPanel {
-        label: "velocity",
-        series: vec![
-            RecordSeries { name: Some("R1"), values: &times },
-            RecordSeries { name: Some("R2"), values },
-        ],
-        min_height: 100.0,
-        height_weight: 1.0,
+    let panel = |values| {
+        let slow = RecordSeries { name: Some("R1"), values: &times };
+        create_panel("velocity", vec![slow, RecordSeries { name: Some("R2"), values }])
     };
     let panels = vec![panel(&times), panel(&fast)];
     let figure = RecordFigure { title: "", subtitle: "", time_label: "", times: &times, panels };
@@ -88,6 +94,33 @@ fn dense_records_have_one_style() {
     check_figure(&figure);
 }
 
+/// Each of several dense records has a panel of its own, named, with the scale that they would share.
+#[test]
+fn dense_records_do_not_cover_each_other() {
+    let times: Vec<f64> = (0..1000).map(f64::from).collect();
+    let wave = |size: f64| -> Vec<f64> { times.iter().map(|t| size * (0.5 * t).sin()).collect() };
+    let (large, small) = (wave(3.0), wave(2.8));
+    let slow: Vec<f64> = times.iter().map(|time| 1e-3 * time).collect();
+    let series = [("A", &large), ("B", &slow), ("C", &small)];
+    let series = series.map(|(name, values)| RecordSeries { name: Some(name), values });
+    let panels = create_panel("v, m/s", series.to_vec()).separate_dense_series(&times);
+    let found: Vec<_> = panels.iter().map(|own| (own.series_label, own.series.len())).collect();
+    assert_eq!(found, [("", 1), ("A", 1), ("C", 1)]);
+    assert_eq!(panels[0].series[0].name, Some("B"));
+    let scales = [1, 2].map(|index| RecordScale::from_panel(&panels[index], 110.0));
+    assert_eq!(scales[0], scales[1]);
+    // One dense record hides nothing that is not told apart by its width.
+    let single = create_panel("v, m/s", series[..2].to_vec()).separate_dense_series(&times);
+    assert_eq!(single.len(), 1);
+    let panels = vec![create_panel("v, m/s", series.to_vec())];
+    let figure = RecordFigure { title: "", subtitle: "", time_label: "t", times: &times, panels };
+    let texts = picture_texts(&figure);
+    for name in ["A", "B", "C"] {
+        assert_eq!(texts.iter().filter(|text| *text == name).count(), 1, "{texts:?}");
+    }
+    check_figure(&figure);
+}
+
 #[test]
 fn every_scale_has_ticks() {
     for exponent in [-300, -12, -3, 0, 5, 200] {
@@ -96,7 +129,7 @@ fn every_scale_has_ticks() {
             for [low, high] in [[-1.0, 1.0], [0.0, 1.0], [-0.3, 1.0], [5.0, 6.0], [-9.0, -8.7]] {
                 let values = [low * size, high * size];
                 let series = vec![RecordSeries { name: None, values: &values }];
-                let panel = RecordPanel { label: "", series, min_height: 0.0, height_weight: 1.0 };
+                let panel = create_panel("", series);
                 let scale = RecordScale::from_panel(&panel, 110.0);
                 assert!((2..=5).contains(&scale.ticks.len()), "{scale:?}");
                 assert!(scale.low <= values[0] && scale.high >= values[1]);
@@ -108,13 +141,8 @@ fn every_scale_has_ticks() {
 #[test]
 fn wrong_input_is_refused() {
     let refused = |times: &[f64], values: &[f64]| {
-        let panel = RecordPanel {
-            label: "velocity",
-            series: vec![RecordSeries { name: Some("R1"), values }],
-            min_height: 100.0,
-            height_weight: 1.0,
-        };
-        let panels = vec![panel];
+        let series = RecordSeries { name: Some("R1"), values };
+        let panels = vec![create_panel("velocity", vec![series])];
         let figure = RecordFigure { title: "", subtitle: "", time_label: "time", times, panels };
         figure.draw(FigureFormat::Svg).unwrap_err().to_string()
     };
