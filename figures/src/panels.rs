@@ -4,7 +4,9 @@ use plotters::style::RGBColor;
 
 use crate::dispersion::DISAGREEMENT_COLOUR;
 use crate::error::FigureError;
-use crate::field::{FieldMarkKind, draw_mark};
+use crate::field::{
+    FieldMarkKind, LOADED_LINE_TEXT, LOADED_LINE_WIDTH, draw_loaded_line, draw_mark,
+};
 use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LINE_WIDTH, LabelledCurve, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
@@ -39,6 +41,8 @@ pub struct CurvePanel {
     pub positions: Vec<(String, Vec<f64>)>,
     /// Legend text and value of a level of the vertical axis, drawn as a thin dashed line below the curves.
     pub level: Option<(String, f64)>,
+    /// Loaded points of the horizontal axis, drawn as wide lines along the frame outside its nearer end.
+    pub loaded_ends: Vec<f64>,
     /// Sources and receivers at positions on the horizontal axis, drawn above the panel with their names.
     pub marks: Vec<CurveMark>,
 }
@@ -161,8 +165,14 @@ impl PanelsFigure {
                 |picture: &mut Picture, area: Rectangle| draw_level(picture, swatch_line(area));
             entries.push((label.clone(), Box::new(swatch)));
         }
+        if self.panels.iter().any(|panel| !panel.loaded_ends.is_empty()) {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                draw_loaded_line(picture, &swatch_line(area));
+            };
+            entries.push((LOADED_LINE_TEXT.to_owned(), Box::new(swatch)));
+        }
         for (kind, label) in
-            [(FieldMarkKind::Source, "source"), (FieldMarkKind::Receiver, "receiver")]
+            [(FieldMarkKind::Source, "source or load"), (FieldMarkKind::Receiver, "receiver")]
         {
             let mut marks = self.panels.iter().flat_map(|panel| &panel.marks);
             if marks.any(|mark| mark.kind == kind) {
@@ -300,6 +310,14 @@ impl CurvePanel {
             &upwards,
             &scale::label_with_multiplier(&self.y_label, &y_factor),
         );
+        for position in &self.loaded_ends {
+            let is_left = at([*position, y[0]])[0] < 0.5 * (frame.left + frame.right);
+            let x = match is_left {
+                true => frame.left - 0.5 * LOADED_LINE_WIDTH,
+                false => frame.right + 0.5 * LOADED_LINE_WIDTH,
+            };
+            draw_loaded_line(picture, &[[x, frame.top], [x, frame.bottom]]);
+        }
         self.draw_marks(picture, frame, |place| at([place, y[0]])[0]);
     }
 
@@ -383,13 +401,16 @@ mod tests {
             mark(7.0, "force", FieldMarkKind::Source),
             mark(-70.0, "outside", FieldMarkKind::Source),
         ];
+        own.loaded_ends = vec![10.0];
         let panels = vec![own.clone(), own];
         let figure = PanelsFigure { title: "Title".into(), subtitle: "sub".into(), panels };
         let picture = figure.to_picture();
         check_drawing(&picture, |format| figure.draw(format));
         let count = |text: &str| picture.texts().filter(|own| own.content == text).count();
-        let counts = ["border", "slipped", "receiver", "source", "R1", "R2", "force", "outside"];
+        let counts =
+            ["border", "slipped", "receiver", "source or load", "R1", "R2", "force", "outside"];
         assert_eq!(counts.map(count), [1, 1, 1, 1, 2, 0, 2, 0]);
+        assert_eq!(count(LOADED_LINE_TEXT), 1);
     }
 
     /// The vertical axis covers the given values, whatever the curve is.

@@ -36,40 +36,54 @@ pub(crate) struct RecordPanel<'a> {
     pub height_weight: f64,
 }
 
-impl RecordPanel<'_> {
+impl<'a> RecordPanel<'a> {
     /// Returns whether lines are drawn; a text stands for values that are all zero or not finite.
     fn has_lines(&self) -> bool {
         let mut all = self.series.iter().flat_map(|series| series.values);
         all.any(|value| is_plottable(*value) && *value != 0.0)
     }
 
-    /// Returns the least and the largest value that can be drawn; `None` if there is none.
+    /// Returns the least and the largest value of all series, see [`value_range`].
     fn value_range(&self) -> Option<[f64; 2]> {
-        let values = self.series.iter().flat_map(|series| series.values).copied();
-        values.filter(|value| is_plottable(*value)).map(|value| [value, value]).reduce(
-            |[low, high], [other, _]| [low.min(other), high.max(other)],
-        )
+        value_range(self.series.iter().flat_map(|series| series.values))
     }
 
-    /// Gives each densely oscillating series a panel of its own, below the panel of the others and with the same scale,
-    /// if there are several: drawn in one panel, the last would cover the others.
+    /// Gives each very densely oscillating series a panel of its own, below the panel of the others and with the same
+    /// scale, if there are several: drawn in one panel, the last would cover the others.
     fn separate_dense_series(self, times: &[f64]) -> Vec<Self> {
         let Some([low, high]) = self.value_range() else { return vec![self] };
-        let is_dense = |series: &RecordSeries| is_dense(times, series.values, high - low);
+        let is_dense = |series: &RecordSeries| {
+            // Ripples of a curve cover nothing, whatever their own range is.
+            let range = value_range(series.values).map_or(0.0, |[low, high]| high - low);
+            let range = range.max(SMALLEST_SHARE * (high - low));
+            is_dense(times, series.values, SEPARATING_VARIATION * range)
+        };
         let (dense, others): (Vec<_>, Vec<_>) = self.series.iter().copied().partition(is_dense);
         if dense.len() < 2 {
             return vec![self];
         }
-        let first = (!others.is_empty()).then(|| Self { series: others, ..self.clone() });
-        let own = dense.into_iter().map(|series| Self {
-            series_label: series.name.unwrap_or_default(),
-            included_values: vec![low, high],
-            series: vec![RecordSeries { name: None, ..series }],
+        let mut panels = Vec::new();
+        match others[..] {
+            [] => {}
+            [only] => panels.push(self.with_series(only, [low, high])),
+            _ => panels.push(Self { series: others, ..self.clone() }),
+        }
+        panels.extend(dense.into_iter().map(|series| Self {
             min_height: self.min_height.min(LOWEST_FRAME),
             height_weight: self.height_weight.min(1.0),
+            ..self.with_series(series, [low, high])
+        }));
+        panels
+    }
+
+    /// Returns the panel with a single series, whose name is beside the title, and a scale that includes `range`.
+    fn with_series(&self, series: RecordSeries<'a>, range: [f64; 2]) -> Self {
+        Self {
+            series_label: series.name.unwrap_or_default(),
+            included_values: range.to_vec(),
+            series: vec![RecordSeries { name: None, ..series }],
             ..self.clone()
-        });
-        first.into_iter().chain(own).collect()
+        }
     }
 
     /// Returns the minimum height of the frame on the page, pixels; on a low page, texts need as much as on a high one.
@@ -97,9 +111,14 @@ const LOWEST_FRAME: f64 = 110.0;
 const PANEL_GAP: f64 = 12.0;
 /// Fraction of the time axis over which the variation of a line is measured.
 const DENSITY_WINDOW: f64 = 0.04;
-/// Variation within the window, in ranges of the panel, above which a line is drawn thin and solid: more than one full
-/// oscillation in the window.
+/// Variation within the window, in ranges of the panel, above which a line is drawn thin and solid, since its dashes would
+/// be lost: more than one full oscillation in the window.
 const DENSE_VARIATION: f64 = 2.0;
+/// Variation within the window, in ranges of a line, above which it fills the panel and covers others: more than two full
+/// oscillations in the window.
+const SEPARATING_VARIATION: f64 = 4.0;
+/// Smallest range of a line that covers others, as a share of the range of the panel.
+const SMALLEST_SHARE: f64 = 0.05;
 /// Width of a densely oscillating line, pixels.
 const DENSE_LINE_WIDTH: f64 = 1.8;
 /// Minimum vertical distance of labelled ticks, pixels.
@@ -111,6 +130,14 @@ const ZERO_LINE_COLOUR: RGBColor = RGBColor(110, 110, 110);
 /// Returns whether a value is finite and small enough to be drawn on a scale.
 fn is_plottable(value: f64) -> bool {
     value.abs() < FINITE_LIMIT
+}
+
+/// Returns the least and the largest value that can be drawn; `None` if there is none.
+fn value_range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<[f64; 2]> {
+    let values = values.into_iter().filter(|value| is_plottable(**value));
+    values
+        .map(|value| [*value, *value])
+        .reduce(|[low, high], [other, _]| [low.min(other), high.max(other)])
 }
 
 /// Vertical scale of a panel.
@@ -146,8 +173,8 @@ impl RecordScale {
             return with_message(message, vec![(0.0, "0".to_owned())]);
         }
         let included = panel.included_values.iter();
-        let [low, high] = included
-            .fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)]);
+        let [low, high] =
+            included.fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)]);
         let size = low.abs().max(high.abs());
         if high - low <= ROUND_OFF_TOLERANCE * size {
             let middle = 0.5 * (low + high);
@@ -305,7 +332,10 @@ impl RecordFigure<'_> {
         let is_dense_in = |panel: &RecordPanel| {
             let mut own = panel.series.iter().filter(|series| series.name == name);
             panel.value_range().is_some_and(|[low, high]| {
-                high > low && own.any(|series| is_dense(self.times, series.values, high - low))
+                high > low
+                    && own.any(|series| {
+                        is_dense(self.times, series.values, DENSE_VARIATION * (high - low))
+                    })
             })
         };
         match self.panels.iter().any(is_dense_in) {
@@ -445,7 +475,8 @@ impl RecordFigure<'_> {
     ) {
         let label = scale::label_with_multiplier(panel.label, &scale.multiplier);
         let baseline = frame.top - 0.36 * PANEL_TITLE_SIZE;
-        let (name, size) = page::fit_text(panel.series_label, PANEL_TITLE_SIZE, 0.5 * frame.width());
+        let (name, size) =
+            page::fit_text(panel.series_label, PANEL_TITLE_SIZE, 0.5 * frame.width());
         let mut free_width = frame.width();
         if !name.is_empty() {
             free_width -= text_width(&name, size, false) + PANEL_TITLE_SIZE;
@@ -497,9 +528,8 @@ impl RecordFigure<'_> {
     }
 }
 
-/// Returns whether values oscillate so densely that the dashes of a line would be lost: their variation within some
-/// window of the time axis exceeds [`DENSE_VARIATION`] times `range`.
-fn is_dense(times: &[f64], values: &[f64], range: f64) -> bool {
+/// Returns whether the variation of values within some window of the time axis exceeds `limit`.
+fn is_dense(times: &[f64], values: &[f64], limit: f64) -> bool {
     let duration = DENSITY_WINDOW * (times[times.len() - 1] - times[0]);
     let step = |index: usize| {
         let step = (values[index + 1] - values[index]).abs();
@@ -512,7 +542,7 @@ fn is_dense(times: &[f64], values: &[f64], range: f64) -> bool {
             variation -= step(start);
             start += 1;
         }
-        index > start && variation > DENSE_VARIATION * range
+        index > start && variation > limit
     })
 }
 

@@ -10,7 +10,8 @@ use crate::scale::{self, Tick};
 
 /// Spectra of a positive quantity at several times, against the mode number; both axes are logarithmic.
 ///
-/// Values more than 14 decades below the largest value are rounding errors and are omitted.
+/// Values more than 14 decades below the largest value are rounding errors and are omitted; so are values below a gap of
+/// three decades without values, which would take most of the axis: the legend says so.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumFigure {
     /// Title of the figure.
@@ -32,8 +33,12 @@ pub struct SpectrumFigure {
 
 /// Maximum number of decades of the vertical axis.
 const MAX_DECADES: f64 = 14.0;
-/// Radius of a disc at a point without neighbours, pixels.
+/// Decades without values below which values are omitted.
+const MAX_EMPTY_DECADES: f64 = 3.0;
+/// Radius of a disc at a point, pixels.
 const POINT_RADIUS: f64 = 5.0;
+/// Number of points of a line above which they have no discs: these would touch each other.
+const MAX_DISC_COUNT: usize = 64;
 
 /// Decimal logarithms of the coordinates of a spectrum and of its measured points.
 struct Series<'a> {
@@ -70,15 +75,18 @@ impl SpectrumFigure {
             let label = line.label.as_str();
             series.push(Series { label, points: places(&line.points), rings: places(rings) });
         }
-        let largest = series
-            .iter()
-            .flat_map(Series::all)
-            .map(|point| point[1])
-            .filter(|height| height.is_finite())
-            .fold(f64::NEG_INFINITY, f64::max);
+        let heights = || series.iter().flat_map(Series::all).map(|point| point[1]);
+        let finite = heights().filter(|height| height.is_finite());
         // Smaller values are rounding errors of modes without energy.
+        let rounding = finite.fold(f64::NEG_INFINITY, f64::max) - MAX_DECADES;
+        // Measured points are shown wherever they are.
+        let is_measured = self.measured_points.iter().any(|own| !own.is_empty());
+        let lowest =
+            if is_measured { rounding } else { find_gap(heights().collect()).max(rounding) };
+        let omitted = heights().filter(|height| (rounding..lowest).contains(height));
+        let largest_omitted = omitted.fold(f64::NEG_INFINITY, f64::max);
         let is_drawn = |point: &[f64; 2]| {
-            point[0].is_finite() && (largest - MAX_DECADES..=largest).contains(&point[1])
+            point.iter().all(|coordinate| coordinate.is_finite()) && point[1] >= lowest
         };
         series.retain(|own| own.all().any(is_drawn));
 
@@ -98,6 +106,13 @@ impl SpectrumFigure {
                 draw_disagreement(picture, middle);
             };
             entries.push(("disagrees with the prediction".to_owned(), Box::new(swatch)));
+        }
+        if largest_omitted.is_finite() {
+            let text = format!(
+                "omitted: values up to {}",
+                scale::format_scientific(10_f64.powf(largest_omitted), 0)
+            );
+            entries.push((text, Box::new(page::draw_note_swatch)));
         }
         let legend = Legend::new(entries, page::width() - 2.0 * MARGIN);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
@@ -132,10 +147,11 @@ impl SpectrumFigure {
             let style = LineStyle::from_index(index);
             for part in own.points.split(|point| !is_drawn(point)) {
                 let part: Vec<[f64; 2]> = part.iter().map(|point| at(*point)).collect();
-                match part[..] {
-                    [] => {}
-                    [single] => picture.fill_disc(single, POINT_RADIUS, style.colour),
-                    _ => style.draw(&mut picture, &part),
+                if part.len() > 1 {
+                    style.draw(&mut picture, &part);
+                }
+                if own.points.len() <= MAX_DISC_COUNT || part.len() == 1 {
+                    part.iter().for_each(|at| picture.fill_disc(*at, POINT_RADIUS, style.colour));
                 }
             }
         }
@@ -168,6 +184,14 @@ fn axis_range(places: impl Iterator<Item = f64>) -> [f64; 2] {
             [low - margin, high + margin]
         }
     }
+}
+
+/// Returns the lowest of the decimal logarithms above the highest gap of [`MAX_EMPTY_DECADES`]; −∞ without gap.
+fn find_gap(mut heights: Vec<f64>) -> f64 {
+    heights.retain(|height| height.is_finite());
+    heights.sort_by(|a, b| b.total_cmp(a));
+    let gap = heights.windows(2).find(|pair| pair[0] - pair[1] > MAX_EMPTY_DECADES);
+    gap.map_or(f64::NEG_INFINITY, |pair| pair[0])
 }
 
 #[cfg(test)]
@@ -238,11 +262,18 @@ mod tests {
     }
 
     #[test]
-    fn rounding_does_not_stretch_the_axis() {
-        let text = |small: f64| {
-            let figure = sample_figure(1, |n, _| if n < 9.0 { 1.0 / n } else { small });
+    fn rounding_and_gaps_do_not_stretch_the_axis() {
+        let text = |small: f64, is_measured: bool| {
+            let mut figure = sample_figure(1, |n, _| if n < 9.0 { 1.0 / n } else { small });
+            if !is_measured {
+                figure.measured_points.clear();
+            }
             String::from_utf8(figure.draw(FigureFormat::Svg).unwrap()).unwrap()
         };
-        assert!(text(1e-12).contains("10⁻¹⁰") && !text(1e-40).contains("10⁻³⁰"));
+        assert!(text(1e-12, true).contains("10⁻¹⁰") && !text(1e-40, true).contains("10⁻³⁰"));
+        // From 1/8 to 10⁻³ it is two decades, to 10⁻⁶ five.
+        let [near, far] = [1e-3, 1e-6].map(|small| text(small, false));
+        assert!(near.contains("10⁻³") && !near.contains("omitted"));
+        assert!(far.contains("omitted: values up to 10⁻⁶") && !far.contains("10⁻⁵"));
     }
 }

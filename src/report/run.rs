@@ -146,19 +146,33 @@ const SOLID_LEDGER_TERMS: &[(&str, &str)] = &[
     ("joint_fracture_energy", "energy lost at fracture"),
     ("fluid_dissipation", "numerical dissipation of the fluid"),
     ("numerical_dissipation", "numerical dissipation"),
-    ("residual", "residual (rounding)"),
-    ("balance", "balance (numerical dissipation)"),
+    ("residual", "residual: rounding"),
+    ("balance", "balance: numerical dissipation"),
 ];
 
 /// Terms of the energy ledger of a flow with their descriptions, in the order of the report.
 const FLOW_LEDGER_TERMS: &[(&str, &str)] = &[
     ("at_start", "initial kinetic energy"),
-    ("kinetic", "kinetic energy"),
+    ("kinetic", "kinetic energy of the perturbation"),
     ("background", "energy from the mean flow"),
     ("stress", "work of the stress"),
-    ("balance", "residual (time-step error)"),
+    ("balance", "residual: time-step error"),
     ("power", "internal power"),
 ];
+
+/// Returns the description of a term of a ledger; `None` for an unknown name. Runs of earlier versions of the program
+/// have other names of some terms.
+fn describe_ledger_term<'a>(terms: &[(&str, &'a str)], name: &str) -> Option<&'a str> {
+    let name = match name {
+        "sides" => "boundary_work",
+        "sources" => "source_work",
+        "initial_stress" => "initial_stress_work",
+        "plastic" => "plastic_dissipation",
+        "numerical" => "numerical_dissipation",
+        name => name,
+    };
+    terms.iter().find(|term| term.0 == name).map(|term| term.1)
+}
 
 fn write_value_line(text: &mut String, name: &str, value: f64, unit: &str) {
     let _ = writeln!(text, "  {name:<34} {:>11} {unit}", format_short(value));

@@ -91,7 +91,7 @@ pub fn build_joint_field(blocks: [usize; 2]) -> FieldFigure {
     figure.line_sets = vec![
         set(FieldLineStyle::Outline, "joints", build_faces(blocks, |_, _| 1.0), 0.0),
         set(FieldLineStyle::Solid, "slip", build_faces(blocks, only_slip), 4.8e-5),
-        set(FieldLineStyle::Dashed, "broken and closed, slip", build_faces(blocks, broken), 4.8e-5),
+        set(FieldLineStyle::Dotted, "broken and closed, slip", build_faces(blocks, broken), 4.8e-5),
         set(FieldLineStyle::Gap, "open", build_faces(blocks, opening), 2.5e-6),
     ];
     figure

@@ -2,7 +2,7 @@
 
 use super::figure::FieldFigure;
 use super::layout::FieldLayout;
-use super::legend::{FieldLegendEntry, build_entry};
+use super::legend::{FieldLegendEntry, build_entry, build_note};
 use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::picture::{INK, Picture, Point, Rectangle, WHITE};
 use crate::scale::format_number;
@@ -204,7 +204,7 @@ impl FieldFigure {
         let Some(own) = &self.arrows else { return Vec::new() };
         let FieldArrows { label, magnitude_label, unit, .. } = own;
         let Some(scale) = scale else {
-            return vec![build_entry(format!("{label}: zero everywhere"), |_, _| {})];
+            return vec![build_note(format!("{label}: zero everywhere"))];
         };
         let ArrowScale { max_magnitude, max_length, .. } = scale;
         let value =

@@ -91,6 +91,8 @@ pub struct FieldFigure {
     pub arrows: Option<FieldArrows>,
     /// Marked sources and receivers.
     pub marks: Vec<FieldMark>,
+    /// Loaded parts of the boundary, each the points of a line in the units of the axes; drawn as wide lines.
+    pub loaded_lines: Vec<Vec<[f64; 2]>>,
 }
 
 impl FieldFigure {

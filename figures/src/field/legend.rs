@@ -5,7 +5,7 @@ use super::colour_map::{ColourScale, NON_FINITE_COLOUR, NON_FINITE_HATCH_COLOUR,
 use super::contours::{Contours, draw_contour_line, draw_hatching};
 use super::draw::Overlay;
 use super::figure::{FieldFigure, FieldMarkKind};
-use super::marks::draw_mark;
+use super::marks::{LOADED_LINE_TEXT, draw_loaded_line, draw_mark};
 use super::yielded_cells::{DOT_SPACING, draw_dots};
 use crate::page::{self};
 use crate::picture::{INK, Picture, Point, Rectangle};
@@ -14,6 +14,8 @@ use crate::verdict_map::format_percent;
 
 /// Legend entry, with the widest text that the entry may have in other figures with the same scale.
 pub(super) struct FieldLegendEntry {
+    /// Whether the entry is a remark on elements that are not drawn, which follows those of drawn elements.
+    pub(super) is_note: bool,
     pub(super) text: String,
     pub(super) widest_text: String,
     pub(super) swatch: page::Swatch,
@@ -47,8 +49,9 @@ impl FieldFigure {
                 1 => "1 name left out for want of room".to_owned(),
                 count => format!("{count} names left out for want of room"),
             };
-            entries.push(build_entry(label_text, |_, _| {}));
+            entries.push(build_note(label_text));
         }
+        entries.sort_by_key(|entry| entry.is_note);
         entries.extend(self.non_finite_entry(scale));
         if !scale.is_fixed {
             for FieldLegendEntry { text: label_text, widest_text: widest, .. } in &mut entries {
@@ -110,19 +113,26 @@ impl FieldFigure {
             picture.fill_rectangle(Rectangle { left: middle, ..area }, colours[1]);
             picture.draw_frame(area, 1.5, INK);
         };
-        Some(FieldLegendEntry { text: label_text, widest_text, swatch: Box::new(swatch) })
+        Some(FieldLegendEntry { widest_text, ..build_entry(label_text, swatch) })
     }
 
     /// Builds the entries of the contour lines, or of the hatching of negative values.
     fn contour_entries(&self, scale: &ColourScale, levels: &Contours) -> Vec<FieldLegendEntry> {
         let mut entries = Vec::new();
         match levels {
-            Contours::Lines(_) if self.contour_levels.is_some() => {
+            Contours::Lines(lines) => {
+                let texts = match self.contour_levels {
+                    Some(_) => ["equal value, as numbered", "equal negative value"],
+                    None => ["+¼ and +½ of the scale", "−¼ and −½ of the scale"],
+                };
                 let levels = self.relative_levels(scale);
-                for (sign, label_text) in
-                    [(1.0, "equal value, as numbered"), (-1.0, "equal negative value")]
-                {
-                    if !levels.iter().any(|level| (*level < 0.0) == (sign < 0.0)) {
+                for (sign, label_text) in [1.0, -1.0].into_iter().zip(texts) {
+                    // Other figures with the same fixed scale may have lines.
+                    let is_drawn = match scale.is_fixed {
+                        true => levels.iter().any(|level| (*level < 0.0) == (sign < 0.0)),
+                        false => lines.iter().any(|(level, _)| (*level < 0.0) == (sign < 0.0)),
+                    };
+                    if !is_drawn {
                         continue;
                     }
                     let swatch = move |picture: &mut Picture, area: Rectangle| {
@@ -134,16 +144,7 @@ impl FieldFigure {
             }
             Contours::TooMany => {
                 let label_text = "lines of equal value not drawn: too many";
-                entries.push(build_entry(label_text.to_owned(), |_, _| {}));
-            }
-            Contours::Lines(_) => {
-                for (sign, label_text) in [(1.0, "+¼ and +½"), (-1.0, "−¼ and −½")] {
-                    let swatch = move |picture: &mut Picture, area: Rectangle| {
-                        let y = 0.5 * (area.top + area.bottom);
-                        draw_contour_line(picture, 0.5 * sign, &[[area.left, y], [area.right, y]]);
-                    };
-                    entries.push(build_entry(format!("{label_text} of the scale"), swatch));
-                }
+                entries.push(build_note(label_text.to_owned()));
             }
             Contours::Hatching => {
                 let ground = scale.step_colour(-SHADE_COUNT / 2);
@@ -169,7 +170,7 @@ impl FieldFigure {
         } else if self.material_indices.iter().any(|material| *material != self.material_indices[0])
         {
             let label_text = "borders between materials not drawn: too many";
-            Some(build_entry(label_text.to_owned(), |_, _| {}))
+            Some(build_note(label_text.to_owned()))
         } else {
             None
         }
@@ -197,12 +198,19 @@ impl FieldFigure {
         let label_text = |share: &str| format!("yielded ({share}{of_cells})");
         let share = format_percent(yielded, self.values.len());
         let [label_text, widest] = [share.as_str(), WIDEST_SHARE_TEXT].map(label_text);
-        Some(FieldLegendEntry { text: label_text, widest_text: widest, swatch: Box::new(swatch) })
+        Some(FieldLegendEntry { widest_text: widest, ..build_entry(label_text, swatch) })
     }
 
-    /// Builds the entries of sources and receivers, with the number of marks outside the domain.
+    /// Builds the entries of loads, sources and receivers, with the number of marks outside the domain.
     fn mark_entries(&self) -> Vec<FieldLegendEntry> {
         let mut entries = Vec::new();
+        if !self.loaded_lines.is_empty() {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                let y = 0.5 * (area.top + area.bottom);
+                draw_loaded_line(picture, &[[area.left, y], [area.right, y]]);
+            };
+            entries.push(build_entry(LOADED_LINE_TEXT.to_owned(), swatch));
+        }
         let frame = Rectangle { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
         let inside = self.mark_positions(frame);
         for (kind, word) in
@@ -245,7 +253,7 @@ impl FieldFigure {
         let share = format_percent(scale.non_finite_count, self.values.len());
         let label_text = |share: &str| format!("not a finite number ({share}{of_cells})");
         let [label_text, widest_text] = [share.as_str(), WIDEST_SHARE_TEXT].map(label_text);
-        Some(FieldLegendEntry { text: label_text, widest_text, swatch: Box::new(swatch) })
+        Some(FieldLegendEntry { widest_text, ..build_entry(label_text, swatch) })
     }
 }
 
@@ -258,5 +266,15 @@ pub(super) fn build_entry(
     label_text: String,
     swatch: impl Fn(&mut Picture, Rectangle) + 'static,
 ) -> FieldLegendEntry {
-    FieldLegendEntry { widest_text: label_text.clone(), text: label_text, swatch: Box::new(swatch) }
+    FieldLegendEntry {
+        is_note: false,
+        widest_text: label_text.clone(),
+        text: label_text,
+        swatch: Box::new(swatch),
+    }
+}
+
+/// Builds the entry of a remark, with a bullet in place of a sample.
+pub(super) fn build_note(text: String) -> FieldLegendEntry {
+    FieldLegendEntry { is_note: true, ..build_entry(text, page::draw_note_swatch) }
 }

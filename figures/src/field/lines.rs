@@ -2,7 +2,7 @@
 
 use super::colour_map::{ColourScale, SHADE_COUNT};
 use super::figure::{FieldAxis, FieldFigure};
-use super::legend::{FieldLegendEntry, build_entry};
+use super::legend::{FieldLegendEntry, build_entry, build_note};
 use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
 use crate::scale::format_number;
 
@@ -13,8 +13,8 @@ pub enum FieldLineStyle {
     Outline,
     /// Solid line; its thickness grows with the value, or its darkness where parallel lines are close.
     Solid,
-    /// Dashed line; its thickness grows with the value, unless parallel lines are close.
-    Dashed,
+    /// Dotted line; its thickness grows with the value, unless parallel lines are close.
+    Dotted,
     /// Gap between two thin lines; its width grows with the value.
     Gap,
     /// Line of one width in the colour that its value has on the colour scale of the field, which covers the values of
@@ -68,8 +68,6 @@ const MAX_COVERED_SHARE: f64 = 0.4;
 const RIM_WIDTH: f64 = 1.0;
 /// Width of each of the two lines that enclose a gap, pixels.
 const GAP_LINE_WIDTH: f64 = 1.3;
-/// Lengths of a dash and of the gap after it, pixels.
-const DASH_LENGTHS: [f64; 2] = [6.0, 4.0];
 
 /// Adjacent lines of equal width joined to one line, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,10 +148,10 @@ impl LineWidths {
         plotters::style::RGBColor(grey, grey, grey)
     }
 
-    /// Lengths of a dash and of the gap after it.
-    fn dashes(self) -> [f64; 2] {
-        // One dash per distance gives an even pattern.
-        if self.is_dense() { [0.5 * self.line_distance; 2] } else { DASH_LENGTHS }
+    /// Lengths of a dot and of the gap after it. Dashes would look like contour lines at negative levels.
+    fn dots(self, step: i16) -> [f64; 2] {
+        // Two dots per distance give an even pattern.
+        if self.is_dense() { [0.25 * self.line_distance; 2] } else { [self.width(step); 2] }
     }
 }
 
@@ -280,10 +278,7 @@ impl FieldFigure {
         let entry = |set: &FieldLineSet| {
             let style = set.style;
             if style == FieldLineStyle::Outline && widths.is_dense() {
-                return build_entry(
-                    format!("{} not drawn: too close together", set.label),
-                    |_, _| {},
-                );
+                return build_note(format!("{} not drawn: too close together", set.label));
             }
             let scale = scale.clone();
             let swatch = move |picture: &mut Picture, area: Rectangle| {
@@ -349,9 +344,9 @@ fn draw_runs(
                 picture.fill_patches(own.map(area).collect(), widths.colour(step));
             }
         }
-        FieldLineStyle::Dashed => {
+        FieldLineStyle::Dotted => {
             picture.fill_patches(areas(RIM_WIDTH, 0.0), WHITE);
-            let dashes = runs.iter().flat_map(|run| run.dashes(widths.dashes()));
+            let dashes = runs.iter().flat_map(|run| run.dashes(widths.dots(run.step)));
             let area = |run: LineRun| run.area(0.5 * widths.width(run.step), 0.0);
             picture.fill_patches(dashes.map(area).collect(), INK);
         }

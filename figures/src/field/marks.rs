@@ -10,8 +10,32 @@ use crate::picture::{
 const MARK_NAME_SIZE: f64 = 22.0;
 /// Half the edge length of the square about a mark that is kept free of names, pixels.
 const MARK_RADIUS: f64 = 15.0;
+/// Width of the line along a loaded part of the boundary, pixels.
+pub(crate) const LOADED_LINE_WIDTH: f64 = 9.0;
+/// Legend text of loaded parts of the boundary.
+pub(crate) const LOADED_LINE_TEXT: &str = "loaded part of the boundary";
 
 impl FieldFigure {
+    /// Returns the loaded parts of the boundary, in pixels; those on the frame lie outside it and cover no values.
+    pub(super) fn loaded_curves(&self, frame: Rectangle) -> Vec<Vec<Point>> {
+        let offset = 0.5 * LOADED_LINE_WIDTH;
+        let curve = |line: &Vec<[f64; 2]>| -> Vec<Point> {
+            let place = |[x, y]: &[f64; 2]| [self.pixel(frame, 0, *x), self.pixel(frame, 1, *y)];
+            let mut curve: Vec<Point> = line.iter().map(place).collect();
+            for (axis, edges) in
+                [[frame.left, frame.right], [frame.top, frame.bottom]].into_iter().enumerate()
+            {
+                for (edge, outwards) in edges.into_iter().zip([-offset, offset]) {
+                    if curve.iter().all(|point| (point[axis] - edge).abs() < 0.5) {
+                        curve.iter_mut().for_each(|point| point[axis] += outwards);
+                    }
+                }
+            }
+            curve
+        };
+        self.loaded_lines.iter().map(curve).collect()
+    }
+
     /// Returns the marks inside the domain, with their positions in pixels.
     pub(super) fn mark_positions(&self, frame: Rectangle) -> Vec<(Point, &FieldMark)> {
         let share = |axis: &FieldAxis, value: f64| (value - axis.start) / (axis.end - axis.start);
@@ -39,6 +63,15 @@ impl FieldFigure {
             Rectangle { left: frame.right - 2.0, right: frame.right + 2.0, ..frame },
         ]);
         occupied.extend(self.y_name_above(layout).as_ref().map(padded_bounds));
+        for curve in self.loaded_curves(frame) {
+            let segments = curve.windows(2).map(|ends| Rectangle {
+                left: ends[0][0].min(ends[1][0]) - LOADED_LINE_WIDTH,
+                right: ends[0][0].max(ends[1][0]) + LOADED_LINE_WIDTH,
+                top: ends[0][1].min(ends[1][1]) - LOADED_LINE_WIDTH,
+                bottom: ends[0][1].max(ends[1][1]) + LOADED_LINE_WIDTH,
+            });
+            occupied.extend(segments);
+        }
         let mut names = Vec::new();
         for &([x, y], mark) in &places {
             let widest = (0.4 * area.width()).max(150.0);
@@ -77,6 +110,9 @@ impl FieldFigure {
     }
 
     pub(super) fn draw_marks(&self, picture: &mut Picture, layout: &FieldLayout) {
+        for curve in self.loaded_curves(layout.frame) {
+            draw_loaded_line(picture, &curve);
+        }
         let places = self.mark_positions(layout.frame);
         let names = self.place_mark_names(layout);
         let label_text =
@@ -97,6 +133,11 @@ impl FieldFigure {
             picture.draw_text(text.clone());
         }
     }
+}
+
+/// Draws the line along a loaded part of the boundary.
+pub(crate) fn draw_loaded_line(picture: &mut Picture, points: &[Point]) {
+    picture.draw_line(points.to_vec(), LOADED_LINE_WIDTH, INK);
 }
 
 pub(crate) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKind) {

@@ -26,5 +26,5 @@ pub use arrows::{FieldArrow, FieldArrows};
 pub use body::FieldBody;
 pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 pub use lines::{FieldLine, FieldLineSet, FieldLineStyle};
-pub(crate) use marks::draw_mark;
+pub(crate) use marks::{LOADED_LINE_TEXT, LOADED_LINE_WIDTH, draw_loaded_line, draw_mark};
 pub use pair::FieldPairFigure;

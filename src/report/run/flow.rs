@@ -1,5 +1,6 @@
 //! Pictures of the simulation of a flow.
 
+use super::FLOW_LEDGER_TERMS;
 use super::display::axis_label;
 use super::records::{create_ledger_picture, create_seismograms};
 use super::snapshot::read_array;
@@ -30,13 +31,7 @@ pub(super) fn create_pictures(
     let figure = create_figure(case, run, fields.time, values);
     let mut pictures = vec![ReportPicture::new("run", move |format| figure.draw(format))];
     pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
-    let describe_term = |name: &str| match name {
-        "kinetic" => "kinetic energy of the perturbation",
-        "background" => "energy from the mean flow",
-        "stress" => "work of the stress",
-        _ => "residual: time-step error",
-    };
-    pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
+    pictures.extend(create_ledger_picture(case, &records.ledger, FLOW_LEDGER_TERMS));
     pictures
         .extend(records.spectrum.as_ref().and_then(|table| create_spectrum_picture(case, table)));
     pictures
@@ -123,6 +118,7 @@ pub(super) fn create_figure(
             .iter()
             .map(|own| mark([own.position[0], own.position[1]], &own.name))
             .collect(),
+        loaded_lines: Vec::new(),
     }
 }
 

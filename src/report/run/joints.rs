@@ -263,7 +263,7 @@ pub(super) fn create_line_sets(
             true => "broken and closed, slip",
             false => "broken and closed",
         };
-        sets.push(set(FieldLineStyle::Dashed, label, scale.max_broken_slip, lines));
+        sets.push(set(FieldLineStyle::Dotted, label, scale.max_broken_slip, lines));
     }
     if scale.max_opening > 0.0 {
         let lines = select(JointStage::Open, |own| own.opening);

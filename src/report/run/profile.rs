@@ -55,6 +55,8 @@ pub(super) fn create_profile(
         name: mark.name.clone(),
         kind: mark.kind,
     });
+    // A load along the row acts at all of its points and is not drawn.
+    let loaded = figure.loaded_lines.iter().filter(|line| line[0][along] == line[1][along]);
     Some(PanelsFigure {
         title: figure.title.clone(),
         subtitle: figure.subtitle.clone(),
@@ -70,6 +72,7 @@ pub(super) fn create_profile(
             x_ends: Some([axis.start, axis.end]),
             y_values,
             positions,
+            loaded_ends: loaded.map(|line| line[0][along]).collect(),
             marks: marks.collect(),
             ..CurvePanel::default()
         }],

@@ -1,5 +1,6 @@
 //! Pictures of receiver records and of the energy ledger.
 
+use super::describe_ledger_term;
 use super::display::axis_label;
 use super::polar::polar_label;
 use crate::case::Case;
@@ -117,12 +118,12 @@ fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64
     names
 }
 
-/// Creates the figure of the energy ledger. Columns in the unit of energy are its terms, described by `describe_term`;
+/// Creates the figure of the energy ledger. Columns in the unit of energy are its terms, described by `descriptions`;
 /// the last one of them is the balance. Terms that are zero at all times are omitted.
 pub(super) fn create_ledger_picture(
     case: &Case,
     table: &RecordTable,
-    describe_term: impl Fn(&str) -> &'static str,
+    descriptions: &[(&str, &str)],
 ) -> Option<ReportPicture> {
     let (times, columns) = table.columns.split_first()?;
     let unit = columns.first()?.unit;
@@ -130,7 +131,7 @@ pub(super) fn create_ledger_picture(
         .iter()
         .filter(|column| column.unit == unit)
         .map(|own| LedgerTerm {
-            name: describe_term(&own.name).to_owned(),
+            name: describe_ledger_term(descriptions, &own.name).unwrap_or(&own.name).to_owned(),
             values: own.values.clone(),
         })
         .collect();

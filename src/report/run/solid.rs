@@ -1,5 +1,6 @@
 //! Pictures of the simulation of a solid.
 
+use super::SOLID_LEDGER_TERMS;
 use super::display::axis_label;
 use super::fluid::FluidState;
 use super::joints::{JointLineScale, create_face_line_sets, create_line_sets};
@@ -48,29 +49,8 @@ pub(super) fn create_pictures(
 
 /// Creates the pictures of receivers and of the energy ledger.
 pub(super) fn create_record_pictures(case: &Case, records: &RunRecords) -> Vec<ReportPicture> {
-    let describe_term = |name: &str| match name {
-        "kinetic" => "kinetic energy",
-        "stored" => "stored energy",
-        // Runs finished by earlier versions of the program have the second names.
-        "boundary_work" | "sides" => "work of the boundaries",
-        "source_work" | "sources" => "work of sources and gravity",
-        "initial_stress_work" | "initial_stress" => "work of the initial stress",
-        "plastic_dissipation" | "plastic" => "plastic dissipation",
-        "joint_kinetic" => "kinetic energy of joints",
-        "joint_stored" => "stored energy of joints",
-        "fluid_kinetic" => "kinetic energy of the fluid",
-        "fluid_stored" => "energy of the fluid pressure",
-        "joint_plastic_dissipation" => "plastic dissipation of joints",
-        "joint_viscous_dissipation" => "viscous dissipation of joints",
-        "joint_released_energy" => "energy released by open cracks",
-        "joint_fracture_energy" => "energy lost at fracture",
-        "fluid_dissipation" => "numerical dissipation of the fluid",
-        "numerical_dissipation" | "numerical" => "numerical dissipation",
-        "residual" => "residual",
-        _ => "balance: numerical dissipation",
-    };
     let seismograms = records.receivers.as_ref().map(|table| create_seismograms(case, table));
-    let ledger = create_ledger_picture(case, &records.ledger, describe_term);
+    let ledger = create_ledger_picture(case, &records.ledger, SOLID_LEDGER_TERMS);
     seismograms.into_iter().chain(ledger).collect()
 }
 
@@ -222,26 +202,53 @@ impl<'a> PlaneSection<'a> {
         self.to_raster(self.cell_indices().map(region).collect(), u16::MAX)
     }
 
-    /// Returns the position of the middle of a load on a part of a face; `None` for a load on a whole face.
-    fn load_position(&self, load: &FaceLoad) -> Option<Vec<f64>> {
+    /// Returns the position of a point load; `None` for a distributed one.
+    fn point_load_position(&self, load: &FaceLoad) -> Option<Vec<f64>> {
         let grid = &self.solid_run.grid;
-        let tangential = load.face.tangential_axes(grid.dimensions());
-        let middles: Vec<f64> = match &load.loaded_area {
-            LoadedArea::WholeFace => return None,
-            LoadedArea::Rectangle(part) => part
-                .lower_corner
-                .iter()
-                .zip(&part.upper_corner)
-                .map(|(low, high)| 0.5 * (low + high))
-                .collect(),
-            LoadedArea::Point { position, .. } => position.clone(),
-        };
+        let LoadedArea::Point { position, .. } = &load.loaded_area else { return None };
         let [first, last] = grid.axis_bounds(load.face.axis);
         let mut place = vec![if load.face.is_upper { last } else { first }; grid.dimensions()];
-        for (axis, middle) in tangential.into_iter().zip(middles) {
-            place[axis] = middle;
+        for (axis, middle) in load.face.tangential_axes(grid.dimensions()).into_iter().zip(position)
+        {
+            place[axis] = *middle;
         }
         Some(place)
+    }
+
+    /// Returns the points of the line in which a distributed load meets the section; `None` for a point load, and where
+    /// they do not meet.
+    fn loaded_line(&self, load: &FaceLoad) -> Option<Vec<[f64; 2]>> {
+        let grid = &self.solid_run.grid;
+        let tangential = load.face.tangential_axes(grid.dimensions());
+        let range = |axis: usize| -> Option<[f64; 2]> {
+            let bounds = grid.axis_bounds(axis);
+            let LoadedArea::Rectangle(part) = &load.loaded_area else { return Some(bounds) };
+            let index = tangential.iter().position(|own| *own == axis)?;
+            Some([part.lower_corner[index].max(bounds[0]), part.upper_corner[index].min(bounds[1])])
+        };
+        if matches!(load.loaded_area, LoadedArea::Point { .. }) {
+            return None;
+        }
+        if let Some(layer) = self.layer {
+            let [low, high] = range(1)?;
+            let is_met = (low..=high).contains(&grid.cell_centre(1, layer));
+            if load.face.axis == 1 || !is_met {
+                return None;
+            }
+        }
+        let along = self.axes.into_iter().position(|axis| axis != load.face.axis)?;
+        let [low, high] = range(self.axes[along])?;
+        let [first, last] = grid.axis_bounds(load.face.axis);
+        let on_face = if load.face.is_upper { last } else { first };
+        // A polar grid has angles along its first axis: an arc has a point every two degrees.
+        let is_arc = grid.is_polar() && along == 0;
+        let count = if is_arc { ((high - low) / 2.0).ceil().max(1.0) as usize } else { 1 };
+        let point = |index: usize| {
+            let mut place = [on_face; 2];
+            place[along] = low + (high - low) * index as f64 / count as f64;
+            if grid.is_polar() { SolidGrid::to_cartesian(place) } else { place }
+        };
+        (low < high).then(|| (0..=count).map(point).collect())
     }
 
     /// Reads the values of `picture`, the plotted quantity, on the section from a snapshot; an error message if they
@@ -338,17 +345,10 @@ impl<'a> PlaneSection<'a> {
                 ..FieldFigure::default()
             },
         };
-        let mut loads: Vec<FieldMark> = solid_run
-            .loads
-            .iter()
-            .filter_map(|load| mark(&self.load_position(load)?, "load", FieldMarkKind::Source))
-            .collect();
-        // Loads side by side, such as on the arcs on both sides of the angle 0, have one mark.
-        let least_distance = 0.03 * (figure.x.end - figure.x.start);
-        loads.dedup_by(|next, load| {
-            let [x, y] = [0, 1].map(|axis| next.position[axis] - load.position[axis]);
-            Elementary::root_sum_square(x, y) < least_distance
-        });
+        let loads = solid_run.loads.iter();
+        let point_loads = loads
+            .clone()
+            .filter_map(|load| mark(&self.point_load_position(load)?, "", FieldMarkKind::Source));
         FieldFigure {
             title: case_title(case),
             subtitle,
@@ -383,8 +383,9 @@ impl<'a> PlaneSection<'a> {
                         mark(&own.position, own.kind.name(), FieldMarkKind::Source)
                     }),
                 )
-                .chain(loads)
+                .chain(point_loads)
                 .collect(),
+            loaded_lines: loads.filter_map(|load| self.loaded_line(load)).collect(),
             ..figure
         }
     }

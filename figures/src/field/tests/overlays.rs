@@ -68,7 +68,7 @@ fn styles_of_lines_differ_in_shape() {
     let ink: Vec<usize> = (0..gap.len()).filter(|place| gap[*place][0] < 100).collect();
     let [first, last] = [ink[0], ink[ink.len() - 1]];
     assert!(first < 18 && last > 22 && gap[20] == channels(WHITE), "{gap:?}");
-    let dashed = draw(FieldLineStyle::Dashed, 1);
+    let dashed = draw(FieldLineStyle::Dotted, 1);
     let dark = count_colour(&dashed, INK);
     assert!((20..30).contains(&dark), "{dark} of {}", dashed.len());
     let outline = draw(FieldLineStyle::Outline, 0);
@@ -157,7 +157,7 @@ fn adjacent_lines_are_joined() {
     let mut figure = blank_figure();
     let whole = FieldLine { axis: 1, centre: [6.0, 4.0], length: 8.0, value: 1.0 };
     let files = [faces.collect(), vec![whole]].map(|lines| {
-        figure.line_sets = vec![sample_set(FieldLineStyle::Dashed, lines)];
+        figure.line_sets = vec![sample_set(FieldLineStyle::Dotted, lines)];
         String::from_utf8(figure.draw(FigureFormat::Svg).unwrap()).unwrap()
     });
     assert_eq!(files[0], files[1]);
@@ -254,7 +254,7 @@ fn any_lines_and_arrows_are_drawn() {
         ]);
     }
     for limit in odd {
-        let set = FieldLineSet { limit, ..sample_set(FieldLineStyle::Dashed, lines.clone()) };
+        let set = FieldLineSet { limit, ..sample_set(FieldLineStyle::Dotted, lines.clone()) };
         let styled = |style| FieldLineSet { style, ..set.clone() };
         figure.line_sets =
             vec![set.clone(), styled(FieldLineStyle::Gap), styled(FieldLineStyle::Coloured)];
@@ -275,4 +275,41 @@ fn any_lines_and_arrows_are_drawn() {
     figure.arrows = Some(FieldArrows { magnitudes: vec![1.0], ..FieldArrows::default() });
     let refused = figure.draw(FigureFormat::Svg).unwrap_err().to_string();
     assert!(refused.contains("magnitudes has 1"), "{refused}");
+}
+
+/// A loaded part of the boundary is drawn outside the frame, where it hides no values, and is listed in the legend.
+#[test]
+fn loads_lie_outside_the_field() {
+    let mut figure = blank_figure();
+    let [left, right, top] = [figure.x.start, figure.x.end, figure.y.end];
+    let at = |share: f64| left + share * (right - left);
+    figure.loaded_lines = vec![vec![[at(0.25), top], [at(0.75), top]]];
+    check_figure(&figure);
+    assert!(has_text(&figure, "loaded part of the boundary"));
+    let frame = figure.compute_arrangement(&ColourScale::from_figure(&figure), FigureFormat::Png);
+    let frame = frame.layout.frame;
+    let curve = &figure.loaded_curves(frame)[0];
+    assert!(curve.iter().all(|point| point[1] < frame.top), "{curve:?} {frame:?}");
+    assert!((curve[1][0] - curve[0][0] - 0.5 * frame.width()).abs() < 1e-9);
+    // A curve inside the domain stays where it is.
+    let middle = 0.5 * (figure.y.start + top);
+    figure.loaded_lines = vec![vec![[at(0.4), middle], [at(0.5), top]]];
+    let inside = &figure.loaded_curves(frame)[0];
+    assert!((inside[0][1] - 0.5 * (frame.top + frame.bottom)).abs() < 1e-9, "{inside:?}");
+}
+
+/// The legend lists contour lines of the signs that occur, and remarks after all that is drawn.
+#[test]
+fn legend_lists_what_is_drawn() {
+    let positive = sample_figure(60, 40, |x, y| (-(x - 3.0).powi(2) - (y - 2.0).powi(2)).exp());
+    assert!(has_text(&positive, "+¼ and +½") && !has_text(&positive, "−¼ and −½"));
+    let both = sample_figure(60, 40, |x, y| (3.0 * x).sin() * (2.0 * y).cos());
+    assert!(has_text(&both, "+¼ and +½") && has_text(&both, "−¼ and −½"));
+    let mut crowded = both;
+    crowded.marks =
+        vec![sample_mark(3.0, 2.0, "a long name of a receiver", FieldMarkKind::Receiver); 90];
+    let texts = picture_texts(&crowded);
+    let place = |word: &str| texts.iter().position(|text| text.contains(word)).unwrap();
+    assert!(place("names left out") > place("−¼ and −½"), "{texts:?}");
+    assert!(texts.iter().filter(|text| *text == "receiver").count() == 1);
 }
