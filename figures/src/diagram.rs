@@ -190,20 +190,31 @@ fn draw_arrowhead(picture: &mut Picture, middle: Point, [dx, dy]: Point) {
     picture.fill_polygon(head, PATH_COLOUR);
 }
 
-/// Positions and unit directions of arrowheads at equal distances along a line.
+/// Positions and unit directions of arrowheads at equal distances along a line, without those that would lie across a
+/// corner.
 fn place_arrows(line: &[Point], spacing: f64) -> Vec<(Point, Point)> {
-    let mut arrows = Vec::new();
-    let mut until_next = 0.5 * spacing;
+    let mut distances = vec![0.0];
     for pair in line.windows(2) {
-        let length = distance(pair[0], pair[1]);
-        let direction = [(pair[1][0] - pair[0][0]) / length, (pair[1][1] - pair[0][1]) / length];
-        while until_next <= length {
-            arrows.push(([0, 1].map(|i| pair[0][i] + until_next * direction[i]), direction));
-            until_next += spacing;
-        }
-        until_next -= length;
+        distances.push(distances[distances.len() - 1] + distance(pair[0], pair[1]));
     }
-    arrows
+    let length = distances[distances.len() - 1];
+    // The end of the segment with a point of the line, and the point.
+    let at = |along: f64| {
+        let end = distances.partition_point(|own| *own < along).clamp(1, line.len() - 1);
+        let share = (along - distances[end - 1]) / (distances[end] - distances[end - 1]);
+        (end, [0, 1].map(|i| line[end - 1][i] + share * (line[end][i] - line[end - 1][i])))
+    };
+    let count = (length / spacing + 0.5) as usize;
+    let arrow = |index: usize| {
+        let along = (index as f64 + 0.5) * spacing;
+        let (end, middle) = at(along);
+        let ends = [-0.5, 0.5].map(|half| at((along + half * ARROW_LENGTH).clamp(0.0, length)).1);
+        let [from, to] = [line[end - 1], line[end]];
+        let direction = [0, 1].map(|i| (to[i] - from[i]) / distance(from, to));
+        let is_straight = distance(ends[0], ends[1]) > 0.97 * ARROW_LENGTH;
+        is_straight.then_some((middle, direction))
+    };
+    (0..count).filter_map(arrow).collect()
 }
 
 impl DiagramFigure {
@@ -356,15 +367,20 @@ mod tests {
         }
     }
 
-    /// Arrows are at equal distances along the line and have its direction.
+    /// Arrows are at equal distances along the line and have its direction; none lies across a corner.
     #[test]
     fn arrows_follow_the_line() {
         let arrows = |line: &[Point]| place_arrows(line, 100.0);
+        assert_eq!(arrows(&[[0.0, 0.0]]), []);
         assert_eq!(arrows(&[[0.0, 0.0], [49.0, 0.0]]), []);
-        assert_eq!(arrows(&[[0.0, 0.0], [51.0, 0.0]]), [([50.0, 0.0], [1.0, 0.0])]);
-        let line = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [300.0, 30.0]];
-        let expected = [[30.0, 20.0], [120.0, 30.0], [220.0, 30.0]];
+        assert_eq!(arrows(&[[0.0, 0.0], [70.0, 0.0]]), [([50.0, 0.0], [1.0, 0.0])]);
+        let line = [[0.0, 0.0], [30.0, 0.0], [30.0, 40.0], [300.0, 40.0]];
+        let expected = [[30.0, 20.0], [110.0, 40.0], [210.0, 40.0]];
         let directions = [[0.0, 1.0], [1.0, 0.0], [1.0, 0.0]];
         assert!(arrows(&line).into_iter().eq(expected.into_iter().zip(directions)));
+        // The first arrow would lie on the corner.
+        let corner = [[0.0, 0.0], [45.0, 0.0], [45.0, 300.0]];
+        let middles: Vec<Point> = arrows(&corner).into_iter().map(|arrow| arrow.0).collect();
+        assert_eq!(middles, [[45.0, 105.0], [45.0, 205.0]]);
     }
 }

@@ -116,11 +116,24 @@ impl PanelsFigure {
             1 => page::width() - 2.0 * MARGIN,
             _ => 0.5 * (page::width() - 2.0 * MARGIN - COLUMN_GAP),
         };
+        // Frames below each other are aligned.
+        let axis_width = |column: usize| {
+            let panels = self.panels.iter().skip(column).step_by(columns);
+            let widths = panels.map(|panel| page::left_axis_width(&panel.y_axis(panel_height).1));
+            widths.fold(0.0, f64::max)
+        };
+        let axis_widths: Vec<f64> = (0..columns).map(axis_width).collect();
         for (index, panel) in self.panels.iter().enumerate() {
-            let left = MARGIN + (index % columns) as f64 * (width + COLUMN_GAP);
-            let top = top + (index / columns) as f64 * row_height + marks_height;
-            let area = Rectangle { left, top, right: left + width, bottom: top + panel_height };
-            panel.draw(&mut picture, area, [&labels, &positions]);
+            let (column, row) = (index % columns, index / columns);
+            let left = MARGIN + column as f64 * (width + COLUMN_GAP);
+            let top = top + row as f64 * row_height + marks_height;
+            let frame = Rectangle {
+                left: left + axis_widths[column],
+                top,
+                right: left + width - 16.0,
+                bottom: top + panel_height,
+            };
+            panel.draw(&mut picture, frame, [&labels, &positions]);
         }
         legend.draw(&mut picture, MARGIN, top + rows * row_height);
         picture
@@ -222,29 +235,38 @@ fn swatch_line(area: Rectangle) -> [[f64; 2]; 2] {
 }
 
 impl CurvePanel {
+    /// Iterates over all points.
+    fn all_points(&self) -> impl Iterator<Item = &[f64; 2]> {
+        let curves = self.curves.iter().chain(&self.reference_lines);
+        curves.flat_map(|curve| &curve.points).chain(&self.points)
+    }
+
+    fn level_value(&self) -> Option<f64> {
+        self.level.as_ref().map(|(_, value)| *value)
+    }
+
+    /// Returns the ends of the vertical axis of a frame of some height, its ticks and their common factor.
+    fn y_axis(&self, height: f64) -> ([f64; 2], Vec<Tick>, String) {
+        let ends = match self.y_values {
+            Some(ends) => axis_range(ends.into_iter()),
+            None => axis_range(self.all_points().map(|point| point[1]).chain(self.level_value())),
+        };
+        let (ticks, factor) = page::choose_ticks_with_multiplier(height, true, |count| {
+            scale::linear_ticks_with_multiplier(ends[0], ends[1], count)
+        });
+        (ends, ticks, factor)
+    }
+
     /// Draws the panel with its axes; the styles of curves and of sets of positions follow from the indices of their
     /// labels in `labels` and `positions`.
-    fn draw(&self, picture: &mut Picture, area: Rectangle, [labels, positions]: [&[&str]; 2]) {
-        let all = || {
-            let curves = self.curves.iter().chain(&self.reference_lines);
-            curves.flat_map(|curve| &curve.points).chain(&self.points)
-        };
-        let level = self.level.as_ref().map(|(_, value)| *value);
+    fn draw(&self, picture: &mut Picture, frame: Rectangle, [labels, positions]: [&[&str]; 2]) {
+        let level = self.level_value();
         let is_valid = |[from, to]: &[f64; 2]| from < to && to - from < FINITE_LIMIT;
         let x = match self.x_ends.filter(is_valid) {
             Some(ends) => ends,
-            None => axis_range(all().map(|point| point[0])),
+            None => axis_range(self.all_points().map(|point| point[0])),
         };
-        let y = match self.y_values {
-            Some(ends) => axis_range(ends.into_iter()),
-            None => axis_range(all().map(|point| point[1]).chain(level)),
-        };
-        let (y_ticks, y_factor) =
-            page::choose_ticks_with_multiplier(area.height(), true, |count| {
-                scale::linear_ticks_with_multiplier(y[0], y[1], count)
-            });
-        let left = area.left + page::left_axis_width(&y_ticks);
-        let frame = Rectangle { left, right: area.right - 16.0, ..area };
+        let (y, y_ticks, y_factor) = self.y_axis(frame.height());
         let at = |[a, b]: [f64; 2]| {
             let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
             [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]

@@ -38,7 +38,8 @@ impl Report for ComparisonResult {
     fn to_text(&self, _case: &Case) -> String {
         let mut text = "Comparison of two runs\n".to_owned();
         for (name, run) in ["first", "second"].iter().zip(&self.runs) {
-            let _ = writeln!(text, "  {name:<6}  {}: {}", run.title, describe_medium(run));
+            let _ =
+                writeln!(text, "  {name:<6}  {}: {}", run.title, describe_medium(run, run.model));
         }
         let [width, height] = self.averaging.size.map(format_short);
         let _ = writeln!(
@@ -119,12 +120,13 @@ impl ComparisonResult {
     }
 }
 
-fn describe_medium(run: &ComparedRun) -> String {
+/// Describes the medium and the grid of a run; `continuum` is the word for a medium without blocks.
+fn describe_medium(run: &ComparedRun, continuum: &str) -> String {
     let cells: Vec<String> = run.cells.iter().map(usize::to_string).collect();
     let cells = cells.join(" × ");
     match run.blocks {
         Some(blocks) => format!("{blocks} blocks, {cells} cells"),
-        None => format!("{}, {cells} cells", run.model),
+        None => format!("{continuum}, {cells} cells"),
     }
 }
 
@@ -258,8 +260,8 @@ fn create_mean_figure(
     FieldFigure {
         title: described.title.clone(),
         subtitle: format!(
-            "{}, means over {}, t = {} s",
-            describe_medium(described),
+            "{}, means over areas of {}, t = {} s",
+            describe_medium(described, "continuum"),
             result.averaging.over,
             format_short(*time)
         ),
@@ -270,7 +272,6 @@ fn create_mean_figure(
         values: select(&means[run]).clone(),
         label: axis_label(quantity),
         is_signed: true,
-        contour_levels: Some(Vec::new()),
         ..FieldFigure::default()
     }
 }

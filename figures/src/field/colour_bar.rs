@@ -133,7 +133,7 @@ impl FieldFigure {
             .map(|(value, label)| (bar.position(scale.fraction(value)), label))
             .collect();
         let area = bar.area;
-        let root_note = if page::is_narrow() { "root scale" } else { "colours by its square root" };
+        let root_note = if page::is_narrow() { "root scale" } else { "square-root scale" };
         let name = match scale.is_root && !self.label.is_empty() {
             true => format!("{label}, {root_note}"),
             false => label,

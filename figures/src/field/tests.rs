@@ -538,5 +538,5 @@ fn root_scale_shows_weak_waves() {
     assert_eq!([root.colour_step(1.0), root.colour_step(0.0)], [SHADE_COUNT, 0]);
     assert!((root.fraction(-0.25) - 0.25).abs() < 1e-15);
     check_figure(&figure);
-    assert!(picture_texts(&figure).iter().any(|text| text.ends_with("by its square root")));
+    assert!(picture_texts(&figure).iter().any(|text| text.ends_with("square-root scale")));
 }
