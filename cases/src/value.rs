@@ -229,8 +229,8 @@ fn to_usual_name(name: &str) -> &str {
 
 /// Computes the similarity, 0 to 1, of a misspelt name and a candidate: the normalised Damerau–Levenshtein similarity to
 /// the candidate, or, slightly less, to the start of a longer one, so that `fricton` is similar to `friction_angle_deg`.
-/// Names in the same section are compared without it, and a name without a section also with the last part of the
-/// candidate.
+/// Names in the same section are compared without it, a name without a section also with the last part of the candidate,
+/// and the section of a name also with a candidate without section.
 fn name_similarity(name: &str, candidate: &str) -> f64 {
     const OTHER_SECTION_WEIGHT: f64 = 0.9;
     match (name.rsplit_once('.'), candidate.rsplit_once('.')) {
@@ -240,6 +240,10 @@ fn name_similarity(name: &str, candidate: &str) -> f64 {
         // A key without its section.
         (None, Some((_, last))) => last_part_similarity(name, candidate)
             .max(OTHER_SECTION_WEIGHT * last_part_similarity(name, last)),
+        // A key in a misspelt section.
+        (Some((section, _)), None) => {
+            last_part_similarity(name, candidate).max(last_part_similarity(section, candidate))
+        }
         _ => last_part_similarity(name, candidate),
     }
 }
@@ -307,5 +311,6 @@ mod tests {
         assert_eq!(find_similar_name("psi", ["v", "psi_deg"]), Some("psi_deg"));
         assert_eq!(find_similar_name("foo", ["force", "couple"]), None);
         assert_eq!(find_similar_name("mohr-coulomb", ["cosserat-compliances", "classical"]), None);
+        assert_eq!(find_similar_name("tme.duration", ["region", "time"]), Some("time"));
     }
 }
