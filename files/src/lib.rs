@@ -1,7 +1,7 @@
 //! File formats and safe file writing: atomic writes, and reproducible bytes for equal content.
 //!
-//! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]) and VTK
-//! files ([`vti`]), and writes files so that a reader never finds a partial file ([`write_atomically`]). For restarts
+//! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]), VTK
+//! files ([`vti`]) and Zarr stores ([`zarr`]), and writes files so that a reader never finds a partial file ([`write_atomically`]). For restarts
 //! there are checkpoint files with checksums ([`section_file`]) and tables extended row by row ([`table_appender`]);
 //! for folders shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file
 //! format, add a module here, its use in `report` and the file names in `cli::folder::names` and `cli::run::planned` of
@@ -18,6 +18,7 @@ mod regular_file;
 pub mod section_file;
 pub mod table_appender;
 pub mod vti;
+pub mod zarr;
 
 /// CRC-32 checksum as in zlib; detects accidental but not intentional damage.
 pub fn checksum(bytes: &[u8]) -> u32 {

@@ -53,7 +53,8 @@ pub(super) fn encode_compressed_bytes(values: &[u8]) -> Vec<u8> {
     join_blocks(values.chunks(BLOCK_LENGTH).map(compress), values.len())
 }
 
-fn compress(bytes: &[u8]) -> Vec<u8> {
+/// Compresses bytes by zlib.
+pub(crate) fn compress(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(bytes).expect(MEMORY_WRITE_MESSAGE);
     encoder.finish().expect(MEMORY_WRITE_MESSAGE)

@@ -22,6 +22,7 @@ mod tests;
 pub use arrays::ArrayDeclaration;
 pub use collection::{format_collection, parse_collection};
 pub use encoding::Storage;
+pub(crate) use encoding::compress;
 pub use error::VtiError;
 pub use grid::ImageGrid;
 pub use image_data::ImageData;
