@@ -178,6 +178,9 @@ enum Verb {
     Gather {
         /// Results folder of a finished run
         folder: PathBuf,
+        /// Write the snapshots as a Zarr store for xarray too, snapshots.zarr.zip, in chunks of at most N cells along each axis
+        #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "128", require_equals = true, value_parser = clap::value_parser!(u16).range(8..=1024))]
+        zarr: Option<u16>,
         #[command(flatten)]
         pictures: PictureArguments,
     },
@@ -534,7 +537,9 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             }
         }
         Verb::Plot { folder, pictures } => cli::plot(&folder, &pictures.into(), &mut stdout)?,
-        Verb::Gather { folder, pictures } => cli::gather(&folder, &pictures.into(), &mut stdout)?,
+        Verb::Gather { folder, zarr, pictures } => {
+            cli::gather(&folder, zarr.map(usize::from), &pictures.into(), &mut stdout)?;
+        }
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
         Verb::Cases { action: Some(CasesAction::Show { name }), .. } => {
             cases::show_case(&name, &mut stdout)?;

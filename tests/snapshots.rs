@@ -1,5 +1,6 @@
 //! Verifies that snapshots have the requested times and that other results do not depend on them.
 
+use crate::program::{create_case_folder, run_with_exit_code};
 use crate::support;
 
 use files::npz::read_arrays;
@@ -155,4 +156,36 @@ fn short_numbers_have_the_stated_error() {
         assert_eq!(stated.expect("a number").parse(), Ok(error), "{keys}");
         assert!(short.len() < whole.len() / 2);
     }
+}
+
+/// The Zarr store does not depend on the number of threads, is a result like others, and is refused where there are no
+/// snapshots of a solid.
+#[test]
+fn gather_writes_snapshots_as_a_zarr_store() {
+    let stores = ["1", "2"].map(|threads| {
+        let here = create_case_folder("snapshots", &format!("zarr{threads}"), SOLID_CASE);
+        let settings = "--pictures none --set output.snapshot_interval=0.005";
+        let run = format!("run case.toml --out out --threads {threads} {settings}");
+        run_with_exit_code(0, &here, &run);
+        let (text, _) = run_with_exit_code(0, &here, "gather out --zarr=8 --pictures none");
+        assert!(text.contains("wrote out/snapshots.zarr.zip"), "{text}");
+        run_with_exit_code(0, &here, "verify out");
+        fs::read(here.join("out/snapshots.zarr.zip")).expect("a store")
+    });
+    assert!(stores[0] == stores[1]);
+    let names = String::from_utf8_lossy(&stores[0]);
+    for name in ["v1/c/0/0/0", "sigma22/zarr.json", "time/c/0", "x2/zarr.json"] {
+        assert!(names.contains(name), "{name}");
+    }
+    let here = create_case_folder("snapshots", "zarr-none", SOLID_CASE);
+    let run = "run case.toml --out out --pictures none --set output.snapshot_interval=0";
+    run_with_exit_code(0, &here, run);
+    let (_, text) = run_with_exit_code(2, &here, "gather out --zarr");
+    assert!(text.contains("output.snapshot_interval"), "{text}");
+    let here = create_case_folder("snapshots", "zarr-flow", FLOW_CASE);
+    run_with_exit_code(0, &here, "run case.toml --out out --pictures none");
+    let (_, text) = run_with_exit_code(2, &here, "gather out --zarr");
+    assert!(text.contains("snapshots of solids"), "{text}");
+    let (_, text) = run_with_exit_code(2, &here, "gather out --zarr=4");
+    assert!(text.contains("8..=1024") || text.contains("8 to 1024"), "{text}");
 }

@@ -19,17 +19,23 @@ def backend() -> None:
 
 
 @pytest.fixture(scope="session")
-def program(tmp_path_factory: pytest.TempPathFactory):
-    """Run a verb of the program (environment variable ``wellposed``, by default that of ``target``); returns the folder."""
+def program_path() -> Path:
+    """Path of the program: environment variable ``wellposed``, by default that of ``target``."""
     default = ROOT / "target" / "release" / "wellposed"
     path = Path(os.environ.get("wellposed", default))
     if not path.is_file():
         pytest.skip(f"no program at {path}")
+    return path.resolve()
+
+
+@pytest.fixture(scope="session")
+def program(program_path: Path, tmp_path_factory: pytest.TempPathFactory):
+    """Run a verb of the program; returns the folder."""
 
     def run(*arguments: str) -> Path:
         folder = tmp_path_factory.mktemp("results") / "out"
         done = subprocess.run(
-            [path.resolve(), *arguments, "--pictures", "none", "--out", str(folder)],
+            [program_path, *arguments, "--pictures", "none", "--out", str(folder)],
             capture_output=True,
             text=True,
             cwd=ROOT,

@@ -1,13 +1,14 @@
 //! `wellposed gather`: joins the parts that several ranks have written to the files of a single process.
 
 use super::folder::{
-    OutputError, PartFile, Publication, ResultFolder, SNAPSHOT_LIST_FILE, has_joint_files,
-    is_part_name, joint_snapshot_file_name, list_part_names, snapshot_file_name,
+    OutputError, PartFile, Publication, ResultFolder, SNAPSHOT_LIST_FILE, ZARR_STORE_FILE,
+    has_joint_files, is_part_name, joint_snapshot_file_name, list_part_names, snapshot_file_name,
     snapshot_file_names,
 };
 use super::load::print_hints;
 use super::parts::{BoxCopy, FieldParts};
 use super::plot::redraw_run;
+use super::zarr_store::{list_snapshots, stage_zarr_store};
 use crate::case::Case;
 use crate::case::dynamics::SolidRun;
 use crate::cli::CommandError;
@@ -19,7 +20,6 @@ use crate::report::run::{
 };
 use crate::report::{ArrayData, DataArray};
 use crate::study::simulate::{FieldQuantity, OutputFields};
-use dynamics::simulation::RegularTimes;
 use files::npz::NpzWriter;
 use files::read_regular_file;
 use files::vti::{ArrayDeclaration, format_collection, list_arrays, parse_index, read_array_bytes};
@@ -29,24 +29,50 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Runs the verb `gather`: joins the parts in the folder of a finished run, draws its pictures and removes the parts. The
-/// files are those that a single process would have written. Snapshots are joined array by array.
+/// files are those that a single process would have written. Snapshots are joined array by array. With `zarr_chunk`, the
+/// largest number of cells of a chunk along an axis, the snapshots of any run of a solid are also written as a Zarr store.
 ///
 /// # Errors
 /// The folder holds no finished run, a part is missing or damaged, or a file cannot be written.
 pub fn gather(
     path: &Path,
+    zarr_chunk: Option<usize>,
     pictures: &PictureOptions,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
     let (folder, case) = ResultFolder::open_finished_run(path)?;
     print_hints(&case);
+    join_parts(path, (&folder, &case), pictures, stdout)?;
+    let Some(chunk_edge) = zarr_chunk else { return Ok(()) };
+    let Some(solid_run) = &case.solid_run else {
+        return Err(OutputError {
+            path: path.to_owned(),
+            cause: "the run is one of a flow; only snapshots of solids become a Zarr store"
+                .to_owned(),
+            remedy: "read the .vts files, or leave out --zarr",
+        }
+        .into());
+    };
+    let mut publication = folder.start_redrawing("run");
+    stage_zarr_store(&mut publication, (path, &case, solid_run), chunk_edge)?;
+    publication.publish()?;
+    writeln!(stdout, "wrote {}", path.join(ZARR_STORE_FILE).display())?;
+    Ok(())
+}
+
+fn join_parts(
+    path: &Path,
+    (folder, case): (&ResultFolder, &Case),
+    pictures: &PictureOptions,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
     let names = list_part_names(path)?;
     let Some(solid_run) = case.solid_run.as_ref().filter(|_| !names.is_empty()) else {
         writeln!(stdout, "{}: no parts, nothing to join", path.display())?;
         return Ok(());
     };
     folder.check_files(is_part_name)?;
-    let parts = Parts { folder: path, case: &case, solid_run, names: &names };
+    let parts = Parts { folder: path, case, solid_run, names: &names };
     let mut publication = folder.start_redrawing("run");
     parts.join_snapshots(&mut publication)?;
     parts.join_fields(&mut publication)?;
@@ -102,15 +128,10 @@ impl Parts<'_> {
 
     /// Joins all snapshots that are in parts, and writes the lists of all.
     fn join_snapshots(&self, publication: &mut Publication) -> Result<(), CommandError> {
-        let interval = self.solid_run.output.snapshot_interval;
-        if interval == 0.0 {
+        let moments = list_snapshots(self.folder, self.solid_run)?;
+        if moments.is_empty() {
             return Ok(());
         }
-        let times = RegularTimes::new(interval, self.solid_run.time.duration);
-        let list = self.read(&self.folder.join(SNAPSHOT_LIST_FILE))?;
-        let count = files::vti::parse_collection(&String::from_utf8_lossy(&list)).len();
-        let moments: Vec<(usize, f64)> =
-            (0..count).filter_map(|index| Some((index, times.time(index)?))).collect();
         for &(index, time) in &moments {
             let name = super::folder::snapshot_index_name(self.case, index);
             if self.names.contains(&name) {

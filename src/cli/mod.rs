@@ -26,6 +26,7 @@ pub mod signals;
 mod speeds;
 mod verify;
 mod write;
+mod zarr_store;
 
 pub use check::run_check;
 pub use compare::{CompareOptions, run_compare};

@@ -107,7 +107,7 @@ pub const COMPARISON_FILES: [&str; 11] = [
 /// Names of the files of `run`, in addition to the common files. Those of receivers, joints, snapshots, animation,
 /// dissipation, fluid and spectra are written only if the case has such output. Checkpoint and lock exist only until
 /// the run finishes. Snapshots have file names with an index, see [`is_snapshot_name`].
-pub const RUN_FILES: [&str; 28] = [
+pub const RUN_FILES: [&str; 29] = [
     "run.png",
     "run.svg",
     "seismograms.png",
@@ -132,6 +132,7 @@ pub const RUN_FILES: [&str; 28] = [
     "spectrum.csv",
     "fields.npz",
     SNAPSHOT_LIST_FILE,
+    ZARR_STORE_FILE,
     "checkpoint",
     "lock",
     "run.json",
@@ -140,6 +141,9 @@ pub const RUN_FILES: [&str; 28] = [
 
 /// Name of the file that lists the snapshots of a run with their times.
 pub const SNAPSHOT_LIST_FILE: &str = "snapshots.pvd";
+
+/// Name of the Zarr store of the snapshots, which `gather` writes if asked.
+pub const ZARR_STORE_FILE: &str = "snapshots.zarr.zip";
 
 /// Name of the archive of the final state of joints.
 pub const JOINT_ARCHIVE_FILE: &str = "joints.npz";
