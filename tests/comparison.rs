@@ -259,6 +259,8 @@ fn compare_writes_table_report_and_pictures() {
     ];
     assert_eq!(list_entries(&folder.join("out/a-b")), expected);
     run_with_exit_code(0, &folder, "verify out/a-b");
+    let page = read(&folder, "out/a-b/report.html");
+    assert!(page.contains("<code>wellposed compare a b</code>"));
     let report: Value = serde_json::from_str(&read(&folder, "out/a-b/compare.json")).expect("JSON");
     let snapshots = report["snapshots"].as_array().expect("a list");
     assert_eq!(snapshots.len(), 3);

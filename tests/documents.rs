@@ -15,13 +15,13 @@ fn repository_root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn read_document(name: &str) -> String {
+pub(crate) fn read_document(name: &str) -> String {
     fs::read_to_string(repository_root().join(name))
         .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// Returns the paths of all documents, relative to the root.
-fn document_paths() -> Vec<String> {
+pub(crate) fn document_paths() -> Vec<String> {
     let docs = fs::read_dir(repository_root().join("docs")).expect("docs");
     let docs = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("text"));
     let pages = docs.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
@@ -53,13 +53,13 @@ fn list_repository_paths() -> BTreeSet<String> {
 }
 
 /// Code in a document: blocks with their language, and inline spans.
-struct DocumentCode {
-    blocks: Vec<(String, String)>,
-    spans: Vec<String>,
+pub(crate) struct DocumentCode {
+    pub(crate) blocks: Vec<(String, String)>,
+    pub(crate) spans: Vec<String>,
 }
 
 impl DocumentCode {
-    fn new(text: &str) -> Self {
+    pub(crate) fn new(text: &str) -> Self {
         let (mut blocks, mut spans) = (Vec::new(), Vec::new());
         for (index, part) in text.split("```").enumerate() {
             if index % 2 == 1 {
@@ -199,14 +199,19 @@ fn paths_in_documents_exist() {
     assert!(count > 100, "{count}");
 }
 
-/// Arguments of the commands of the program in a block: lines that begin with `wellposed` or with
-/// `cargo run --release --`, joined with their continuation lines.
-fn extract_commands(block: &str) -> Vec<String> {
+/// Arguments of the commands of the program in a block: lines that begin with `wellposed`, with
+/// `cargo run --release --`, or with an MPI launcher, joined with their continuation lines.
+pub(crate) fn extract_commands(block: &str) -> Vec<String> {
     let joined = block.replace("\\\n", " ");
     let command = |line: &str| {
         let line = line.trim().trim_start_matches("$ ");
         let programs = ["wellposed ", "cargo run --release -- "];
-        let arguments = programs.iter().find_map(|program| line.strip_prefix(program))?;
+        let launched = || {
+            let is_launched = ["mpirun ", "srun "].iter().any(|name| line.starts_with(name));
+            line.split_once(" wellposed ").filter(|_| is_launched).map(|(_, arguments)| arguments)
+        };
+        let own = programs.iter().find_map(|program| line.strip_prefix(program));
+        let arguments = own.or_else(launched)?;
         // The comment and the redirection of the output are removed.
         let end = [" #", " >"].iter().filter_map(|mark| arguments.find(mark)).min();
         Some(arguments[..end.unwrap_or(arguments.len())].trim().to_owned())

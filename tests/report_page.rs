@@ -100,6 +100,44 @@ fn read_map_data(page: &str) -> Value {
     serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
 }
 
+/// Verifies that the command of a section, given in the folder of the results, computes the same page and report again; and
+/// that `plot` does.
+fn check_command(here: &Path, study: &str, arguments: &str) {
+    let page = read_page(here);
+    let command =
+        format!("<p class=\"command\">Command: <code>wellposed {study} {arguments}</code></p>");
+    assert!(page.contains(&command), "{command}");
+    let out = here.join("out");
+    run_with_exit_code(0, &out, &format!("{study} {arguments} --out again --pictures html"));
+    assert!(fs::read(out.join("again/report.html")).unwrap() == page.as_bytes());
+    let report = format!("{study}.json");
+    assert_eq!(
+        fs::read(out.join("again").join(&report)).unwrap(),
+        fs::read(out.join(&report)).unwrap()
+    );
+    run_with_exit_code(0, here, "plot out --pictures html");
+    assert!(read_page(here) == page, "{command}");
+}
+
+/// Verifies that each section names the command that computes it, with the options that change results.
+#[test]
+fn commands_of_the_page_repeat_its_results() {
+    for (name, options, arguments) in [
+        ("plain", "", "case.toml"),
+        ("bound", "--bound --growth-rate --threads 1", "case.toml --bound --growth-rate"),
+        ("blind", "--model-blind --set background.pressure=2000", "case.toml --model-blind"),
+    ] {
+        let here = create_case_folder(TEST_FOLDER, &format!("command-{name}"), STATE_CASE);
+        run_with_exit_code(0, &here, &format!("map case.toml --out out --pictures html {options}"));
+        check_command(&here, "map", arguments);
+    }
+    let here = create_folder(TEST_FOLDER, "command-run");
+    let arguments = "run plastic-potential-in-time --out out --pictures html --accept-ill-posed --threads 2 \
+                     --set grid.cells=[36,36] --set initial[0].to=8 --set time.duration=1e-6";
+    run_with_exit_code(0, &here, arguments);
+    check_command(&here, "run", "case.toml --accept-ill-posed");
+}
+
 /// Returns the columns of a CSV table whose cells have no commas.
 fn read_columns(path: &Path) -> Vec<(String, Vec<String>)> {
     let text = fs::read_to_string(path).unwrap();

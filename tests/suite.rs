@@ -26,6 +26,8 @@ mod check_equations;
 mod check_reports;
 #[path = "check_units.rs"]
 mod check_units;
+#[path = "code_blocks.rs"]
+mod code_blocks;
 #[path = "command_line.rs"]
 mod command_line;
 #[path = "comparison.rs"]

@@ -84,7 +84,10 @@ pub fn run_compare(options: &CompareOptions, stdout: &mut dyn Write) -> Result<(
     drop(progress);
     let ledgers = [0, 1].map(|run| read_records(&runs[run].case, &runs[run].folder));
     let [first, second] = ledgers;
-    let found = comparison.finish([&first?.ledger, &second?.ledger]);
+    let mut found = comparison.finish([&first?.ledger, &second?.ledger]);
+    for (run, path) in found.runs.iter_mut().zip(&options.folders) {
+        run.folder = Some(path.clone());
+    }
     check_earlier_comparison(&folder, &found, options.force)?;
     let rendered = write_report_files(&found, &runs[0].case, &folder, &options.pictures)?;
     print_report(&rendered, &folder, &options.pictures, options.format, stdout)

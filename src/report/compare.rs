@@ -12,6 +12,7 @@ use crate::study::compare::{
 use figures::{FieldAxis, FieldFigure, FieldPairFigure, SeismogramFigure, SeismogramPanel, Trace};
 use files::csv::CsvCell;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// Function that returns the means of one quantity.
 type MeanSelector = fn(&BlockMeans) -> &Vec<f64>;
@@ -30,10 +31,25 @@ const COLUMNS: [&str; 10] = [
     "dissipated_second",
 ];
 
+/// Returns a path as a word of a shell command, in quotes if it has characters with a meaning in a shell.
+fn quote_path(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text.into_owned(),
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
 impl Report for ComparisonResult {
     const NAME: &'static str = "compare";
     const UNITS: &'static [(&'static str, &'static str)] =
         &[("time", "s"), ("fronts", "m"), ("size", "m"), ("dissipated", "J/m")];
+
+    fn to_arguments(&self, _case: &Case) -> String {
+        let name = |run: &ComparedRun| run.folder.as_deref().map_or("DIR".to_owned(), quote_path);
+        self.runs.each_ref().map(name).join(" ")
+    }
 
     fn to_text(&self, _case: &Case) -> String {
         let mut text = "Comparison of two runs\n".to_owned();

@@ -47,6 +47,12 @@ pub trait Report: Serialize {
         Self::UNITS
     }
 
+    /// Returns the arguments of the command that computes the report from the `case.toml` of its folder, which has all
+    /// overrides. Options that no result depends on, such as the number of threads, are omitted.
+    fn to_arguments(&self, _case: &Case) -> String {
+        "case.toml".to_owned()
+    }
+
     /// Renders the report as text.
     fn to_text(&self, case: &Case) -> String;
 
@@ -119,6 +125,7 @@ pub fn file_names<R: Report>(
 /// Rendered report, ready to be written; its pictures are drawn at writing.
 pub struct RenderedReport {
     study_name: &'static str,
+    arguments: String,
     json: String,
     text: String,
     pictures: Vec<ReportPicture>,
@@ -161,6 +168,7 @@ impl RenderedReport {
     pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
         Ok(Self {
             study_name: R::NAME,
+            arguments: report.to_arguments(case),
             json: format!("{:#}\n", to_json(report)?),
             text: report.to_text(case),
             pictures: report.create_pictures(case)?,
@@ -206,7 +214,14 @@ impl RenderedReport {
         let verdict = find_verdict(&self.json);
         let words = (self.text.as_str(), verdict.as_deref());
         let interactive = self.interactive_picture.as_ref();
-        Ok(PageSection::new(self.study_name, words, pictures, interactive, &tables))
+        Ok(PageSection::new(
+            self.study_name,
+            &self.arguments,
+            words,
+            pictures,
+            interactive,
+            &tables,
+        ))
     }
 
     /// Returns the text report.

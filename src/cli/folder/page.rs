@@ -23,6 +23,12 @@ impl ResultFolder {
         let provenance = [
             ("program", format!("{} {}", text("name"), text("version"))),
             ("commit", text("commit").to_owned()),
+            (
+                "commands",
+                format!(
+                    "as each section states; {CASE_FILE} is the case below, with all overrides"
+                ),
+            ),
             ("checksum of the case", format!("{} (CRC-32)", text("case"))),
             (
                 "files",

@@ -5,7 +5,7 @@ use crate::cli::CommandError;
 use crate::cli::folder::{AppendedFile, OutputError, ResultFolder};
 use crate::report;
 use crate::report::page::{PagePicture, PageSection, PageTable};
-use crate::study::simulate::{TableKind, column_unit};
+use crate::study::simulate::{TableKind, column_unit, create_job};
 use std::io::ErrorKind;
 
 /// Name of the table of the final state of joints.
@@ -14,7 +14,7 @@ const JOINT_TABLE: &str = "joints.csv";
 /// Creates the section of a run from its reports as text and JSON, its pictures, and the tables in its folder.
 ///
 /// # Errors
-/// A table cannot be read.
+/// A table cannot be read, or the case is not one of a run.
 pub(in crate::cli) fn create_page_section(
     case: &Case,
     folder: &ResultFolder,
@@ -29,7 +29,12 @@ pub(in crate::cli) fn create_page_section(
     let unit = |name: &str| report::column_unit(JOINT_TABLE, name).unwrap_or_default().to_owned();
     tables.extend(read_table(folder, JOINT_TABLE, unit)?);
     let verdict = report::find_verdict(json.as_ref());
-    Ok(PageSection::new("run", (text.as_ref(), verdict.as_deref()), pictures, None, &tables))
+    let arguments = match create_job(case)?.find_ill_posedness()? {
+        Some(_) => "case.toml --accept-ill-posed",
+        None => "case.toml",
+    };
+    let words = (text.as_ref(), verdict.as_deref());
+    Ok(PageSection::new("run", arguments, words, pictures, None, &tables))
 }
 
 /// Reads a table of the folder; `None` if the run has no such table.

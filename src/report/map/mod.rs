@@ -21,6 +21,22 @@ use analysis::solids::{Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE};
 impl Report for MapResult {
     const NAME: &'static str = "map";
 
+    fn to_arguments(&self, case: &Case) -> String {
+        let options = self.options;
+        let computes_growth = options.computes_bound || options.computes_growth_rate;
+        let is_flow = matches!(case.material.kind, ModelKind::Flow(_));
+        // As when the map is drawn again: its files do not tell whether a map without closed forms was asked for.
+        let is_model_blind = is_flow && !computes_growth && self.route_counts[0].1 == 0;
+        [
+            (options.computes_bound, " --bound"),
+            (options.computes_growth_rate, " --growth-rate"),
+            (is_model_blind, " --model-blind"),
+        ]
+        .into_iter()
+        .filter(|own| own.0)
+        .fold("case.toml".to_owned(), |text, (_, option)| text + option)
+    }
+
     fn to_text(&self, case: &Case) -> String {
         let mut lines = vec![case_title(case)];
         let (x, y) = (&self.x, &self.y);

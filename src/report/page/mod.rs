@@ -46,9 +46,11 @@ pub struct PageSection {
 }
 
 impl PageSection {
-    /// Creates the section of a verb from its report as text, the verdict if it states one, pictures and tables.
+    /// Creates the section of a verb from the arguments of its command, its report as text, the verdict if it states one,
+    /// pictures and tables.
     pub fn new(
         study_name: &str,
+        arguments: &str,
         (text, verdict): (&str, Option<&str>),
         pictures: &[PagePicture],
         interactive: Option<&InteractivePicture>,
@@ -56,7 +58,9 @@ impl PageSection {
     ) -> Self {
         let name = escape(study_name);
         let mut html = format!(
-            "<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n<h2 id=\"{name}-title\">wellposed {name}</h2>\n"
+            "<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n<h2 id=\"{name}-title\">wellposed {name}</h2>\n\
+             <p class=\"command\">Command: <code>wellposed {name} {}</code></p>\n",
+            escape(arguments),
         );
         if let Some(verdict) = verdict {
             let class = if verdict == "well-posed" { "well" } else { "other" };
@@ -189,13 +193,14 @@ mod tests {
     #[test]
     fn sections_are_read_back_in_order() {
         let hostile = "<!-- end of section map -->\n<!-- section run 00000000 -->";
-        let section = |name, text| PageSection::new(name, (text, None), &[], None, &[]);
+        let section = |name, text| PageSection::new(name, "'<b>'", (text, None), &[], None, &[]);
         let sections = [section("map", hostile), section("run", "two")];
         let reversed = [sections[1].clone(), sections[0].clone()];
         let page = FRAME.format_page(&sections);
         assert_eq!(page, FRAME.format_page(&reversed));
         assert_eq!(PageSection::parse_page(&page), sections);
         assert!(page.contains("<h1>&lt;i&gt;</h1>") && page.contains("&lt;/pre&gt;"));
+        assert!(page.contains("<code>wellposed map &#39;&lt;b&gt;&#39;</code>"));
         let damaged = page.replace("two", "too");
         assert_eq!(PageSection::parse_page(&damaged), sections[..1]);
         assert!(PageSection::parse_page("").is_empty());

@@ -19,6 +19,7 @@ use crate::study::simulate::{OutputFields, RecordTable, RunResult};
 use averages::AveragingAreas;
 use models::common::decimal::format_distinct;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// Columns of the energy ledger that are dissipated energies: of yielding solids and of joints.
 const DISSIPATION_COLUMNS: [&str; 5] = [
@@ -64,6 +65,9 @@ pub struct ComparedRun {
     /// Checksum of the case without plot options, as in `program.json`.
     #[serde(rename = "case")]
     pub case_checksum: String,
+    /// Folder of its results; `None` if it was not read from files.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
 }
 
 /// Areas over which fields are averaged.
@@ -206,6 +210,7 @@ impl<'a> Comparison<'a> {
                 "{:08x}",
                 files::checksum(cases[index].without_plot_options().to_toml().as_bytes())
             ),
+            folder: None,
         };
         let grid = &runs[areas.raster_run()].grid;
         let spread = |means: &BlockMeans| {
