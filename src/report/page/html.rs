@@ -24,6 +24,41 @@ pub(super) fn escape(text: &str) -> String {
     escaped
 }
 
+/// Longest line without columns, in characters, that is taken for a heading between rows of a table.
+const MAX_HEADING_LENGTH: usize = 60;
+
+/// Writes a report as text. Lines in columns, which have two spaces between their words, and headings between them are not
+/// wrapped, since that would destroy the columns.
+pub(super) fn write_text(html: &mut String, text: &str) {
+    let lines: Vec<&str> = text.lines().collect();
+    let has_columns = |line: &&str| line.trim().contains("  ");
+    let is_in_columns = |index: usize| {
+        let is_in_paragraph = |line: &&&str| !line.trim().is_empty();
+        let mut before = lines[..index].iter().rev().take_while(is_in_paragraph);
+        let mut after = lines[index + 1..].iter().take_while(is_in_paragraph);
+        let line = &lines[index];
+        let is_short = !line.trim().is_empty() && line.chars().count() <= MAX_HEADING_LENGTH;
+        has_columns(line) || (is_short && before.any(has_columns) && after.any(has_columns))
+    };
+    html.push_str("<div class=\"words\">");
+    let mut start = 0;
+    while start < lines.len() {
+        let is_table = is_in_columns(start);
+        let count =
+            (start..lines.len()).take_while(|&index| is_in_columns(index) == is_table).count();
+        html.push_str(if is_table { "<pre class=\"columns\" tabindex=\"0\">" } else { "<pre>" });
+        // The parser drops one line break at the beginning.
+        html.push('\n');
+        for line in &lines[start..start + count] {
+            html.push_str(&escape(line));
+            html.push('\n');
+        }
+        html.push_str("</pre>");
+        start += count;
+    }
+    html.push_str("</div>\n");
+}
+
 /// Formats a value as JSON for a `script` element. Texts in it cannot end the element or begin a comment, since `<`, `>`
 /// and `&` are written as escape sequences of JSON.
 pub(super) fn format_script_data(value: &Value) -> String {
@@ -81,6 +116,20 @@ fn encode_base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_are_not_wrapped() {
+        let text = "title\n\n  a  b\nrows\n  1  2\nafter";
+        let mut html = String::new();
+        write_text(&mut html, text);
+        let table = "<pre class=\"columns\" tabindex=\"0\">\n  a  b\nrows\n  1  2\n</pre>";
+        assert_eq!(
+            html,
+            format!(
+                "<div class=\"words\"><pre>\ntitle\n\n</pre>{table}<pre>\nafter\n</pre></div>\n"
+            )
+        );
+    }
 
     #[test]
     fn base64_is_that_of_the_standard() {

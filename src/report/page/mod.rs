@@ -8,7 +8,7 @@ mod html;
 mod table;
 
 pub(super) use html::embed_picture;
-use html::{escape, format_script_data};
+use html::{escape, format_script_data, write_text};
 pub use table::PageTable;
 
 use serde_json::Value;
@@ -66,7 +66,7 @@ impl PageSection {
             let class = if verdict == "well-posed" { "well" } else { "other" };
             let _ = writeln!(html, "<p class=\"verdict {class}\">{}</p>", escape(verdict));
         }
-        let _ = writeln!(html, "<pre class=\"words\">{}</pre>", escape(text.trim_end()));
+        write_text(&mut html, text.trim_end());
         for picture in pictures {
             let own = interactive.filter(|own| own.file_stem == picture.file_stem);
             write_picture(&mut html, picture, own);
