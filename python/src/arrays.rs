@@ -7,8 +7,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use std::any::Any;
+use std::borrow::Cow;
 use wellposed::files::csv::CsvCell;
+use wellposed::report::run::create_field_arrays;
 use wellposed::report::{ArrayData, DataArray, DataFile, DataTable};
+use wellposed::study::simulate::OutputFields;
 
 const F64_CODE: &str = if cfg!(target_endian = "big") { ">f8" } else { "<f8" };
 const I32_CODE: &str = if cfg!(target_endian = "big") { ">i4" } else { "<i4" };
@@ -44,6 +47,11 @@ pub fn convert_arrays<'py>(
         list.append((name.as_ref(), names, unit.as_ref(), values))?;
     }
     Ok(list)
+}
+
+/// Converts the fields of a simulation to a list of (name, axes, unit, array); the numbers are moved.
+pub fn convert_fields(py: Python<'_>, fields: OutputFields) -> PyResult<Bound<'_, PyList>> {
+    convert_arrays(py, create_field_arrays(Cow::Owned(fields)))
 }
 
 fn convert_table<'py>(py: Python<'py>, table: DataTable<'_>) -> PyResult<Bound<'py, PyList>> {

@@ -1,6 +1,6 @@
 //! Cases and results as Python objects.
 
-use crate::arrays::{convert_arrays, convert_file};
+use crate::arrays::{convert_arrays, convert_fields, convert_file};
 use crate::error::{TEXT_NAME, to_case_exception, to_exception};
 use crate::supervise::Supervision;
 use pyo3::exceptions::PyValueError;
@@ -10,9 +10,9 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 use wellposed::case::{Case, CaseError};
 use wellposed::figures::FigureFormat;
-use wellposed::report::run::{create_field_arrays, create_record_arrays};
+use wellposed::report::run::create_record_arrays;
 use wellposed::report::{PictureOptions, Report, ReportPicture, draw_pictures, to_json};
-use wellposed::study::RunResult;
+use wellposed::study::{ProgressCallback, RunResult};
 use wellposed::{Error, report};
 
 /// Case of a study, read and checked.
@@ -30,6 +30,22 @@ impl RawCase {
             Ok(case) => Ok(Self { case, has_lines }),
             Err(error) => Err(to_case_exception(py, &error, has_lines)),
         }
+    }
+
+    /// Computes a study of this case without the lock of the interpreter and converts its result.
+    ///
+    /// # Errors
+    /// As [`Supervision::run`] and [`RawResult::new`].
+    pub fn compute<R: Report + Send>(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        threads: Option<usize>,
+        study: impl FnOnce(&Case, ProgressCallback) -> Result<R, Error> + Send,
+    ) -> PyResult<RawResult> {
+        let case = &self.case;
+        let found = self.supervise(progress, threads).run(py, |progress| study(case, progress))?;
+        RawResult::new(py, &found, case)
     }
 
     /// Returns the supervision of a study of this case.
@@ -162,7 +178,7 @@ impl RawResult {
         let tables = raw.tables.bind(py);
         tables.del_item("receivers")?;
         let RunResult { fields, records, .. } = found;
-        tables.set_item("fields", convert_arrays(py, create_field_arrays(Cow::Owned(fields)))?)?;
+        tables.set_item("fields", convert_fields(py, fields)?)?;
         let records_by_name = [
             ("receivers", records.receivers),
             ("ledger", Some(records.ledger)),
@@ -175,9 +191,7 @@ impl RawResult {
             }
         }
         for fields in records.snapshots {
-            raw.snapshots
-                .bind(py)
-                .append(convert_arrays(py, create_field_arrays(Cow::Owned(fields)))?)?;
+            raw.snapshots.bind(py).append(convert_fields(py, fields)?)?;
         }
         Ok(raw)
     }

@@ -1,13 +1,11 @@
 //! One function per study.
 
-use crate::arrays::convert_arrays;
+use crate::arrays::convert_fields;
 use crate::result::{RawCase, RawResult};
 use pyo3::prelude::*;
-use std::borrow::Cow;
 use std::ops::ControlFlow;
 use wellposed::case::ContinuumOptions;
 use wellposed::models::interface::continuum::OpeningLimit;
-use wellposed::report::run::create_field_arrays;
 use wellposed::setup::check::CheckExtent;
 use wellposed::study::simulate::{
     OutputFields, SimulationSettings, simulate, simulate_with_snapshots,
@@ -25,10 +23,7 @@ pub fn point(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let run = case.supervise(progress, threads);
-    let case = &case.case;
-    let found = run.run(py, |progress| study::analyse_point(case, progress))?;
-    RawResult::new(py, &found, case)
+    case.compute(py, progress, threads, study::analyse_point)
 }
 
 /// Computes the verdict over two parameters.
@@ -48,10 +43,9 @@ pub fn map(
         computes_growth_rate: growth_rate,
         is_model_blind: model_blind,
     };
-    let run = case.supervise(progress, threads);
-    let case = &case.case;
-    let found = run.run(py, |progress| study::compute_map(case, options, progress))?;
-    RawResult::new(py, &found, case)
+    case.compute(py, progress, threads, |case, progress| {
+        study::compute_map(case, options, progress)
+    })
 }
 
 /// Computes the dispersion relation of a solid or, for a blocky medium, its Bloch waves.
@@ -63,14 +57,10 @@ pub fn dispersion(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let run = case.supervise(progress, threads);
-    let case = &case.case;
-    if case.has_joints() {
-        let found = run.run(py, |progress| study::compute_bloch_waves(case, progress))?;
-        return RawResult::new(py, &found, case);
+    match case.case.has_joints() {
+        true => case.compute(py, progress, threads, study::compute_bloch_waves),
+        false => case.compute(py, progress, threads, study::compute_dispersion),
     }
-    let found = run.run(py, |progress| study::compute_dispersion(case, progress))?;
-    RawResult::new(py, &found, case)
 }
 
 /// Computes the characteristic speeds of a solid by direction.
@@ -82,28 +72,19 @@ pub fn speeds(
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    let run = case.supervise(progress, threads);
-    let case = &case.case;
-    let found = run.run(py, |progress| study::compute_speeds(case, progress))?;
-    RawResult::new(py, &found, case)
+    case.compute(py, progress, threads, study::compute_speeds)
 }
 
 /// Computes exact plane waves in a granular or porous medium.
 #[pyfunction]
 pub fn shocks(py: Python<'_>, case: &RawCase) -> PyResult<RawResult> {
-    let run = case.supervise(None, None);
-    let case = &case.case;
-    let found = run.run(py, |_| study::compute_shocks(case))?;
-    RawResult::new(py, &found, case)
+    case.compute(py, None, None, |case, _| study::compute_shocks(case))
 }
 
 /// Computes the uniaxial diagram of a rheological scheme.
 #[pyfunction]
 pub fn diagram(py: Python<'_>, case: &RawCase) -> PyResult<RawResult> {
-    let run = case.supervise(None, None);
-    let case = &case.case;
-    let found = run.run(py, |_| study::compute_diagram(case))?;
-    RawResult::new(py, &found, case)
+    case.compute(py, None, None, |case, _| study::compute_diagram(case))
 }
 
 /// Computes the equivalent continuum of a blocky medium; returns the result and the text of the case of the continuum.
@@ -137,10 +118,9 @@ pub fn check(
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
     let extent = if quick { CheckExtent::Short } else { CheckExtent::Full };
-    let run = case.supervise(progress, threads);
-    let case = &case.case;
-    let found = run.run(py, |progress| study::check_agreement(case, extent, progress))?;
-    RawResult::new(py, &found, case)
+    case.compute(py, progress, threads, |case, progress| {
+        study::check_agreement(case, extent, progress)
+    })
 }
 
 /// Simulates a solid or a flow; `on_snapshot` is called with the arrays of each snapshot.
@@ -161,8 +141,7 @@ pub fn run(
         None => run.run(py, |progress| simulate(case, settings, progress))?,
         Some(callable) => {
             let call = |py: Python<'_>, fields: OutputFields| {
-                let arrays = convert_arrays(py, create_field_arrays(Cow::Owned(fields)))?;
-                callable.call1(py, (arrays,)).map(drop)
+                callable.call1(py, (convert_fields(py, fields)?,)).map(drop)
             };
             run.run_with_snapshots(py, &call, |progress, sender| {
                 // The calling thread receives as long as the study runs.

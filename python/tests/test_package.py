@@ -267,7 +267,6 @@ def test_bundled_cases_and_folders() -> None:
 
 def test_compare_runs_both_cases() -> None:
     settings = {
-        "grid.cells": [40, 20],
         "block[0].repeat": [20, 10],
         "block[0].origin": [-0.5, -0.5],
         "time.duration": 1e-5,
