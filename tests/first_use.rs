@@ -50,6 +50,14 @@ fn help_has_examples_and_exit_codes() {
     }
 }
 
+/// Verifies that a bundled case is found beside a folder of its name, such as that of its results.
+#[test]
+fn folders_do_not_hide_bundled_cases() {
+    let here = create_folder(TEST_FOLDER, "hidden");
+    run_with_exit_code(0, &here, "diagram creep --out creep --pictures none");
+    run_with_exit_code(0, &here, "diagram creep --out creep --pictures none");
+}
+
 /// Verifies that models, yield sets, media with contacts and joints are listed with equations and references.
 #[test]
 fn models_are_listed_with_equations_and_references() {

@@ -98,8 +98,8 @@ pub enum TimeDomainRun<'a> {
 }
 
 impl Case {
-    /// Reads a case file, or, if no file has this path, the [bundled case](find_bundled_case) of this name; `sets` are the
-    /// `--set` options (`key=value`), which override its values.
+    /// Reads a case file, or, if no file has this path, the [bundled case](find_bundled_case) of this name, which a folder
+    /// does not hide; `sets` are the `--set` options (`key=value`), which override its values.
     ///
     /// # Errors
     /// The file cannot be read, is larger than [`MAX_FILE_SIZE`] or is not TOML, or a key of the file or of an option
@@ -118,7 +118,8 @@ impl Case {
 
     fn load_for_purpose(path: &Path, sets: &[String], purpose: Purpose) -> Result<Self, CaseError> {
         let unreadable = |cause: String| CaseError::Unreadable { path: path.to_owned(), cause };
-        if path.symlink_metadata().is_err()
+        // A folder of the same name, such as one of results, does not hide a bundled case.
+        if (path.symlink_metadata().is_err() || path.is_dir())
             && let Some((bundled, text)) = find_bundled_case(&path.to_string_lossy())
         {
             return Self::parse_for_purpose(text, bundled, sets, purpose);
