@@ -147,6 +147,11 @@ impl<'a> CaseEntries<'a> {
         }
         let Some(key) = Key::find_by_name(name) else {
             if is_section(name) {
+                if let Ok(value) = DeValue::parse(text)
+                    && let Some(table) = value.get_ref().as_table()
+                {
+                    return self.apply_section_option(set, name, table);
+                }
                 let inside = list_section_keys(name, |_| true).join(", ");
                 return refused(
                     name,
@@ -169,6 +174,35 @@ impl<'a> CaseEntries<'a> {
             }
         };
         self.insert(key, &value)?;
+        Ok(None)
+    }
+
+    /// Applies an option `--set section={ key = value, … }`; keys that the table lacks keep their values. Returns the first
+    /// key that is unknown.
+    fn apply_section_option(
+        &mut self,
+        set: &str,
+        section: &str,
+        table: &DeTable,
+    ) -> Result<Option<String>, CaseError> {
+        for (name, value) in table {
+            let name = format!("{section}.{}", name.get_ref());
+            let value = value.get_ref();
+            let unknown = match (Key::find_by_name(&name), value.as_table()) {
+                (Some(key), _) => {
+                    self.positions.add_option(key.name.to_owned(), set);
+                    self.insert(key, value)?;
+                    None
+                }
+                (None, Some(table)) if is_section(&name) => {
+                    self.apply_section_option(set, &name, table)?
+                }
+                (None, _) => Some(name),
+            };
+            if unknown.is_some() {
+                return Ok(unknown);
+            }
+        }
         Ok(None)
     }
 

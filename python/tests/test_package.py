@@ -72,6 +72,14 @@ def test_path_text_and_dict_are_the_same_case(tmp_path: Path) -> None:
         assert wellposed.point(cases[0], set=overrides).verdict == "well-posed"
 
 
+def test_a_dict_sets_keys_of_a_section() -> None:
+    axis = {"parameter": "background.pressure", "from": 500, "to": 1e3}
+    flat = {f"map.y.{key}": value for key, value in axis.items()}
+    found = wellposed.Case("noncoaxiality-bound", set={"map.y": axis})
+    assert found.to_toml() == wellposed.Case("noncoaxiality-bound", set=flat).to_toml()
+    assert "background.pressure" in found.to_toml()
+
+
 def test_lists_of_tables_and_odd_texts_survive_the_dict() -> None:
     from wellposed._case import to_toml
 

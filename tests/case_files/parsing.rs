@@ -227,3 +227,23 @@ fn angles_are_reduced_modulo_360_degrees() {
     assert!(degrees_to_radians(f64::MAX).abs() < 6.3);
     assert_eq!(degrees_to_radians(90.0 + 360.0), 90f64.to_radians());
 }
+
+/// Verifies that an option sets several keys of a section, keeps the others, and refuses unknown ones.
+#[test]
+fn options_set_sections() {
+    let load = |options: &[&str]| {
+        let options: Vec<String> = options.iter().map(|&option| option.to_owned()).collect();
+        Case::load("noncoaxiality-bound".as_ref(), &options)
+    };
+    let section = "map={ y = { parameter = 'background.pressure', from = 500, to = 1e3 }, x = { points = 3 } }";
+    let keys =
+        ["map.y.parameter=background.pressure", "map.y.from=500", "map.y.to=1e3", "map.x.points=3"];
+    assert_eq!(load(&[section]).unwrap().to_toml(), load(&keys).unwrap().to_toml());
+    let error = load(&["map.x={ form = 1 }"]).unwrap_err().to_string();
+    assert!(error.contains("map.x.form: unknown key; did you mean 'from'?"), "{error}");
+    let error = load(&["map.x={ from = 'a' }"]).unwrap_err().to_string();
+    assert!(
+        error.contains("--set map.x={ from = 'a' }: map.x.from: found the text 'a'"),
+        "{error}"
+    );
+}
