@@ -144,10 +144,7 @@ def _open_archive(file: Path, _case: Case, _attributes: dict[str, Any]) -> Table
             own = _AXES[name]
         else:
             own = axes[: values.ndim]
-        known = {"x1": "m", "x2": "m", "x3": "m", "time": "s", "deformation": "1"}
-        unit = units.get(name) or known.get(name) or _wellposed.column_unit(file.name, name) or ""
-        if name == "dissipation" and file.stem == "fields":
-            unit = "J/m3"
+        unit = units.get(name) or _wellposed.column_unit(file.name, name) or ""
         return Array(values, own, unit)
 
     return Table(file.stem, _Lazy(names, read))

@@ -131,13 +131,14 @@ impl<'a> DataArray<'a> {
     }
 }
 
-/// Returns the unit of a column of the table `file` of a report: `1` for dimensionless quantities, empty for columns that
-/// hold no quantity; `None` for a column whose unit depends on the case: a swept parameter, or a column of a run.
+/// Returns the unit of a column of the table, or of an array of the archive, `file` of a report: `1` for dimensionless
+/// quantities, empty for columns that hold no quantity; `None` for a column whose unit depends on the case: a swept
+/// parameter, or a column of a run.
 pub fn column_unit(file: &str, column: &str) -> Option<&'static str> {
     // Names that have different units in different files.
     match (file, column) {
         ("spall.csv", "distance") => return Some("m"),
-        ("shocks.csv", "dissipation") => return Some("J/m3"),
+        ("shocks.csv" | "fields.npz", "dissipation") => return Some("J/m3"),
         ("compare.csv", "sigma22" | "sigma12" | "rotation_rate") => return Some("1"),
         ("compare.csv", "dissipated_first" | "dissipated_second") => return Some("J/m"),
         ("compare.csv", "front_0_first" | "front_0_second") => return Some("m"),
@@ -155,7 +156,8 @@ pub fn column_unit(file: &str, column: &str) -> Option<&'static str> {
         "flutter" | "speed" | "phase_speed" | "group_speed" | "slowest_speed" | "velocity"
         | "velocity_ahead" | "velocity_behind" | "sound_ahead" | "sound_behind" => "m/s",
         "squared_speed" | "squared_speed_imaginary" | "least_squared_speed" => "m2/s2",
-        "position" => "m",
+        "position" | "x1" | "x2" | "x3" => "m",
+        "deformation" => "1",
         "time" => "s",
         "pressure" | "pressure_ahead" | "pressure_behind" => "Pa",
         "work" | "stored_energy" | "dissipated_energy" | "step_loss" => "J/m3",
