@@ -14,15 +14,11 @@ HERE = Path(__file__).parent
 
 @pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")
 def test_mypy_accepts_the_package_and_its_use(tmp_path: Path) -> None:
-    import wellposed
-
-    package = Path(wellposed.__file__).parent
-    for target in (package, HERE / "typed_use.py"):
+    # A path in the folder of installed packages would make all of them files to be checked.
+    settings = ["--strict", "--config-file", str(HERE.parent / "pyproject.toml"), "--cache-dir", str(tmp_path)]
+    for target in (["-p", "wellposed"], [str(HERE / "typed_use.py")]):
         done = subprocess.run(
-            [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(target)],
-            capture_output=True,
-            text=True,
-            cwd=HERE.parent,
+            [sys.executable, "-m", "mypy", *settings, *target], capture_output=True, text=True, cwd=tmp_path
         )
         assert done.returncode == 0, done.stdout + done.stderr
 
