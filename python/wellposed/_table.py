@@ -169,20 +169,22 @@ def _draw_map(table: Table, name: str, ax: Axes) -> None:
         import matplotlib.colors as colours
 
         texts = [str(own) for own in table[meanings]]
-        levels = np.arange(len(texts) + 1) - 0.5
+        present = np.unique(values)
         # Seven colours that people with colour blindness can tell apart, after Okabe and Ito.
         palette = ["#56b4e9", "#d55e00", "#f0e442", "#999999", "#cccccc", "#ffffff", "#cc79a7"]
+        # The same code has the same colour in all maps; "none" takes the last one.
+        shift = 1 if texts[0] == "none" else 0
         drawn = ax.pcolormesh(
             table[horizontal],
             table[vertical],
-            values,
-            cmap=colours.ListedColormap(palette[: len(texts)]),
-            norm=colours.BoundaryNorm(levels, len(texts)),
+            np.searchsorted(present, values),
+            cmap=colours.ListedColormap([palette[(own - shift) % len(palette)] for own in present]),
+            vmin=-0.5,
+            vmax=len(present) - 0.5,
         )
-        present = [index for index in range(len(texts)) if np.any(values == index)]
         if figure is not None:
-            bar = figure.colorbar(drawn, ax=ax, ticks=present)
-            bar.set_ticklabels([texts[index] for index in present])
+            bar = figure.colorbar(drawn, ax=ax, ticks=range(len(present)))
+            bar.set_ticklabels([texts[own] for own in present])
     else:
         drawn = ax.pcolormesh(table[horizontal], table[vertical], values)
         if figure is not None:
