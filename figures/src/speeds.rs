@@ -12,6 +12,7 @@ use crate::polar::{
     full_circle_points, max_ring_numbers, polar_to_point, split_at_gaps,
 };
 use crate::scale::{self, FINITE_LIMIT, Tick};
+use crate::verdict_map::{HatchLines, VERTICAL_DIRECTION, draw_hatch, is_inside};
 
 /// Response of the solid: elastic or yielding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,13 +76,17 @@ pub struct SpeedsFigure {
 const ELASTIC_COLOUR: Colour = RGBColor(110, 110, 110);
 const ELASTIC_DASHES: &[f64] = &[3.0, 5.0];
 const ELASTIC_WIDTH: f64 = 2.8;
-const FLUTTER_COLOUR: Colour = RGBColor(253, 226, 212);
-/// Colour of the arcs that hatch flutter sectors, for greyscale.
-const FLUTTER_ARC_COLOUR: Colour = RGBColor(240, 184, 160);
+/// Fill colour of flutter sectors, without hatching as in maps.
+const FLUTTER_COLOUR: Colour = RGBColor(248, 208, 184);
 /// Fill colour of sectors in which a speed is imaginary.
 const IMAGINARY_SECTOR_COLOUR: Colour = RGBColor(222, 226, 238);
-/// Colour of the rays that hatch sectors of imaginary speeds, for greyscale.
-const IMAGINARY_RAY_COLOUR: Colour = RGBColor(150, 158, 186);
+/// Hatching of sectors in which a speed is imaginary: vertical lines, as for shear bands in maps.
+const SHEAR_BAND_HATCH: HatchLines = HatchLines {
+    direction: VERTICAL_DIRECTION,
+    spacing: 10.0,
+    line_width: 1.2,
+    colour: RGBColor(150, 158, 186),
+};
 /// Minimum width of a drawn sector, degrees.
 const MIN_SECTOR_WIDTH: f64 = 0.4;
 
@@ -163,10 +168,6 @@ impl SpeedsFigure {
         if !Self::to_start_and_width(&self.flutter_sectors).is_empty() {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 picture.fill_rectangle(area, FLUTTER_COLOUR);
-                for share in [0.25, 0.5, 0.75] {
-                    let y = area.top + share * area.height();
-                    picture.draw_line([[area.left, y], [area.right, y]], 1.2, FLUTTER_ARC_COLOUR);
-                }
                 picture.draw_frame(area, 1.5, PALE_INK);
             };
             entries.push(("flutter: complex speeds".to_owned(), Box::new(swatch)));
@@ -174,10 +175,7 @@ impl SpeedsFigure {
         if !Self::to_start_and_width(&self.imaginary_sectors).is_empty() {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 picture.fill_rectangle(area, IMAGINARY_SECTOR_COLOUR);
-                for share in [0.2, 0.4, 0.6, 0.8] {
-                    let x = area.left + share * area.width();
-                    picture.draw_line([[x, area.top], [x, area.bottom]], 1.2, IMAGINARY_RAY_COLOUR);
-                }
+                draw_hatch(picture, area, SHEAR_BAND_HATCH, |_| true);
                 picture.draw_frame(area, 1.5, PALE_INK);
             };
             entries.push(("shear bands: imaginary speeds".to_owned(), Box::new(swatch)));
@@ -222,12 +220,13 @@ impl SpeedsFigure {
             for [from, width] in Self::to_start_and_width(ends) {
                 for turn in [0.0, 180.0] {
                     let sector = sector_polygon(centre, radius, from + turn, width);
-                    picture.fill_polygon(sector, ground);
-                    match ground {
-                        FLUTTER_COLOUR => {
-                            draw_flutter_hatching(picture, centre, radius, from + turn, width)
-                        }
-                        _ => draw_imaginary_hatching(picture, centre, radius, from + turn, width),
+                    picture.fill_polygon(sector.clone(), ground);
+                    if ground == IMAGINARY_SECTOR_COLOUR {
+                        let [x, y] = centre;
+                        let [left, top, right, bottom] =
+                            [x - radius, y - radius, x + radius, y + radius];
+                        let disc = Rectangle { left, top, right, bottom };
+                        draw_hatch(picture, disc, SHEAR_BAND_HATCH, |at| is_inside(&sector, at));
                     }
                 }
             }
@@ -273,7 +272,7 @@ impl SpeedsFigure {
                 }
             }
         }
-        page.draw_radius_axis(&rings, &format!("{} ({})", self.speed_label, self.unit));
+        page.draw_radius_axis(&rings, &format!("{} ({})", self.speed_label, self.unit), 0.0);
     }
 }
 
@@ -320,40 +319,6 @@ fn sector_polygon(centre: Point, radius: f64, start: f64, width: f64) -> Vec<Poi
     let mut sector = arc_points(centre, radius, start, width);
     sector.push(centre);
     sector
-}
-
-/// Draws the hatching of flutter sectors, visible in greyscale.
-fn draw_flutter_hatching(
-    picture: &mut Picture,
-    centre: Point,
-    radius: f64,
-    start: f64,
-    width: f64,
-) {
-    let mut size = 14.0;
-    while size < radius {
-        picture.draw_line(arc_points(centre, size, start, width), 1.2, FLUTTER_ARC_COLOUR);
-        size += 12.0;
-    }
-}
-
-/// Draws the hatching of sectors of imaginary speeds, visible in greyscale.
-fn draw_imaginary_hatching(
-    picture: &mut Picture,
-    centre: Point,
-    radius: f64,
-    start: f64,
-    width: f64,
-) {
-    let count = (width / 3.0).ceil().max(2.0);
-    for ray in 0..=count as usize {
-        let angle = start + width * ray as f64 / count;
-        picture.draw_line(
-            [polar_to_point(centre, angle, 0.2 * radius), polar_to_point(centre, angle, radius)],
-            1.2,
-            IMAGINARY_RAY_COLOUR,
-        );
-    }
 }
 
 #[cfg(test)]

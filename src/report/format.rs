@@ -27,6 +27,12 @@ pub fn format_unit_suffix(unit: &str) -> String {
     }
 }
 
+/// Formats an angle, degrees, with at most two decimals, as figures do: angles of one kind then have the same precision.
+pub fn format_angle(degrees: f64) -> String {
+    let text = format!("{:.2}", (100.0 * degrees).round() / 100.0 + 0.0);
+    format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
 /// Formats the note that a model is coaxial (Δ = 0) although the case gives the non-coaxiality Δ = `noncoaxiality_deg`.
 pub fn format_coaxial_note(noncoaxiality_deg: f64) -> String {
     format!("(coaxial: Δ = 0 instead of {}°)", format_short(noncoaxiality_deg))
@@ -39,16 +45,25 @@ pub fn coefficient_unit(order: f64) -> String {
 
 /// Formats a unit normal vector as its angles: `at 30°, 12° above the plane`.
 pub fn format_normal(normal: [f64; 3]) -> String {
-    let [direction, elevation] = angles_deg(normal);
-    match elevation {
-        0.0 => format!("at {}°", format_short(direction)),
-        up => format!("at {}°, {}° above the plane", format_short(direction), format_short(up)),
+    let [direction, elevation] = angles_deg(normal).map(format_angle);
+    match elevation.as_str() {
+        "0°" => format!("at {direction}"),
+        up => format!("at {direction}, {up} above the plane"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_have_two_decimals() {
+        for (degrees, text) in
+            [(147.648, "147.65°"), (40.51, "40.51°"), (90.0, "90°"), (0.004, "0°"), (-0.001, "0°")]
+        {
+            assert_eq!(format_angle(degrees), text);
+        }
+    }
 
     #[test]
     fn coefficient_unit_contains_the_order() {

@@ -10,11 +10,13 @@ pub mod format;
 pub mod homogenise;
 pub mod map;
 pub mod page;
+mod parameters;
 mod picture;
 pub mod point;
 pub mod run;
 pub mod shocks;
 pub mod speeds;
+mod symbols;
 
 use crate::Error;
 use crate::case::Case;

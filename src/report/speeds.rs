@@ -1,6 +1,7 @@
 //! Report on the characteristic speeds of a solid.
 
-use super::format::{case_title, format_normal, format_short};
+use super::format::{case_title, format_angle, format_normal, format_short};
+use super::parameters::with_parameters;
 use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::{Case, WaveNumbers};
@@ -102,16 +103,16 @@ impl SpeedsResult {
             [("complex", &self.flutter_sectors_deg), ("imaginary", &self.imaginary_sectors_deg)]
         {
             for [from, to] in sectors {
-                let (from, to) = (format_short(*from), format_short(*to));
-                let _ = writeln!(text, "  {kind} speeds for normals from {from}° to {to}°");
+                let (from, to) = (format_angle(*from), format_angle(*to));
+                let _ = writeln!(text, "  {kind} speeds for normals from {from} to {to}");
             }
         }
         if self.is_always_stationary {
             let _ = writeln!(text, "  a speed vanishes in all directions");
         }
         for vanishing in &self.vanishing_speeds {
-            let (degrees, cause) = (format_short(vanishing.direction_deg), vanishing.cause);
-            let _ = writeln!(text, "  a speed vanishes for the normal at {degrees}°: {cause}");
+            let (angle, cause) = (format_angle(vanishing.direction_deg), vanishing.cause);
+            let _ = writeln!(text, "  a speed vanishes for the normal at {angle}: {cause}");
         }
     }
 
@@ -209,13 +210,8 @@ fn create_curves(found: &SpeedsResult, response: SolidResponse) -> Vec<SpeedCurv
         if points.iter().all(|p| p[1] <= EQUAL_SPEED_TOLERANCE * largest.sqrt()) {
             continue;
         }
-        let runs_along = |curve: &SpeedCurve| {
-            curve.points.iter().zip(&points).all(|(a, b)| {
-                (a[1] - b[1]).abs() <= EQUAL_SPEED_TOLERANCE * largest.sqrt()
-                    || (a[1].is_nan() && b[1].is_nan())
-            })
-        };
-        match curves.iter_mut().find(|curve| runs_along(curve)) {
+        let is_same = |curve: &&mut SpeedCurve| runs_along(curve, &points, largest.sqrt());
+        match curves.iter_mut().find(is_same) {
             Some(curve) => curve.multiplicity += 1,
             None => curves.push(SpeedCurve {
                 label: match response {
@@ -234,10 +230,24 @@ fn create_curves(found: &SpeedsResult, response: SolidResponse) -> Vec<SpeedCurv
     curves
 }
 
+/// Returns whether the speeds of a curve equal those of `points` in all directions; `max_speed`, m/s, is the largest speed.
+fn runs_along(curve: &SpeedCurve, points: &[[f64; 2]], max_speed: f64) -> bool {
+    curve.points.iter().zip(points).all(|(a, b)| {
+        (a[1] - b[1]).abs() <= EQUAL_SPEED_TOLERANCE * max_speed || (a[1].is_nan() && b[1].is_nan())
+    })
+}
+
 fn create_figure(case: &Case, found: &SpeedsResult) -> SpeedsFigure {
     let mut all = create_curves(found, SolidResponse::Elastic);
     if found.solid.plastic_state.is_some() {
-        all.extend(create_curves(found, SolidResponse::Yielding));
+        let mut yielding = create_curves(found, SolidResponse::Yielding);
+        let max_speed = found.directional_speeds.max_squared_speed.sqrt();
+        for curve in &mut yielding {
+            if all.iter().any(|elastic| runs_along(elastic, &curve.points, max_speed)) {
+                curve.label += ", on an elastic one";
+            }
+        }
+        all.extend(yielding);
     }
     let place = match (found.dimensions, found.elevation_deg) {
         (2, _) => "plane strain".to_owned(),
@@ -246,11 +256,17 @@ fn create_figure(case: &Case, found: &SpeedsResult) -> SpeedsFigure {
     };
     SpeedsFigure {
         title: case_title(case),
-        subtitle: format!(
-            "{}, {place}; angle: wave normal, anticlockwise from x₁",
-            case.medium().title()
+        subtitle: with_parameters(
+            &format!(
+                "{}, {place}; angle: wave normal, anticlockwise from x₁",
+                case.medium().title()
+            ),
+            case,
         ),
-        speed_label: "characteristic speed c".into(),
+        speed_label: match found.flutter_sectors_deg.is_empty() {
+            true => "characteristic speed c".into(),
+            false => "Re c of the speeds c".into(),
+        },
         unit: "m/s".into(),
         curves: all,
         flutter_sectors: found.flutter_sectors_deg.clone(),
@@ -288,9 +304,12 @@ fn create_sphere_figure(
     }
     SphereFigure {
         title: case_title(case),
-        subtitle: format!(
-            "{}: slowest wave over all normals; opposite normals are equivalent",
-            case.medium().title()
+        subtitle: with_parameters(
+            &format!(
+                "{}: slowest wave over all normals; opposite normals are equivalent",
+                case.medium().title()
+            ),
+            case,
         ),
         polar_angles_deg: hemisphere.polar_angles_deg.clone(),
         azimuth_angles_deg: hemisphere.azimuth_angles_deg.clone(),

@@ -107,7 +107,7 @@ fn adjacent_fills_of_maps_differ_in_hatching_or_lightness() {
         Hatching::Falling,
         Hatching::Horizontal,
         Hatching::Vertical,
-        Hatching::Crossed,
+        Hatching::Grid,
     ];
     let mut styles = vec![
         FillStyle::WellPosed,

@@ -43,11 +43,13 @@ pub(super) fn split_into_runs(content: &str) -> Vec<TextRun> {
     let mut runs: Vec<TextRun> = Vec::new();
     let mut base = String::new();
     let letters: Vec<char> = content.chars().collect();
+    // A subscript digit ends the symbol before: of ∂₂ρ_s, ρ is a single letter.
+    let is_of_word = |c: char| c.is_alphabetic() || c.is_ascii_digit() || c == '_';
     let mut index = 0;
     while index < letters.len() {
         let is_single_letter = index > 0
             && letters[index - 1].is_alphabetic()
-            && (index < 2 || !(letters[index - 2].is_alphanumeric() || letters[index - 2] == '_'));
+            && (index < 2 || !is_of_word(letters[index - 2]));
         let (scale, rise) = match letters[index] {
             '_' if is_single_letter => (0.72, -0.13),
             '^' if is_single_letter => (0.72, 0.34),

@@ -93,6 +93,7 @@ fn indices_and_exponents_are_set_apart() {
     };
     assert_eq!(runs("elastic c_ω, m/s"), ["elastic c", "ω", ", m/s"]);
     assert_eq!(runs("coefficient · k^order"), ["coefficient · k", "order"]);
+    assert_eq!(runs("∂₂ρ_s"), ["∂₂ρ", "s"]);
     for plain in ["", "c_", "map_x.csv", "fields_final", "_a", "^2"] {
         assert_eq!(runs(plain), [plain]);
     }

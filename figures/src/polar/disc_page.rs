@@ -71,10 +71,12 @@ impl DiscPage {
         draw_angle_labels(picture, *centre, *radius, &leaders);
     }
 
-    /// Draws the axis of the radius below the disc, with numbers at the rings, given by their radii.
-    pub(crate) fn draw_radius_axis(&mut self, rings: &[Tick], name: &str) {
+    /// Draws the axis of the radius below the disc, from the radius `start` to the rim, with numbers at the rings, given by
+    /// their radii in ascending order.
+    pub(crate) fn draw_radius_axis(&mut self, rings: &[Tick], name: &str, start: f64) {
         let place = [self.centre[0], self.area.bottom];
-        draw_radius_axis(&mut self.picture, rings, name, place, self.radius, self.area.left);
+        let ends = [start, self.radius];
+        draw_radius_axis(&mut self.picture, rings, name, place, ends, self.area.left);
     }
 
     /// Draws the legend and returns the finished picture.

@@ -11,7 +11,7 @@ use crate::error::FigureError;
 use crate::format::FigureOutput;
 use crate::growth::LINEAR_RANGE_COLOUR;
 use crate::picture::{Picture, Point, WHITE, circle_points};
-use crate::scale::Tick;
+use crate::scale::{Tick, format_power_of_ten};
 
 impl PolarFigure {
     /// Renders the figure and returns the bytes of the file.
@@ -83,10 +83,17 @@ impl PolarFigure {
         for (index, points) in lines.iter().enumerate() {
             draw_curve(&mut page.picture, index, points);
         }
-        let rings: Vec<Tick> = rings
+        let mut rings: Vec<Tick> = rings
             .into_iter()
+            .map(|(place, label)| match place == -1.0 {
+                // The innermost ring is always labelled.
+                true => (place, format_power_of_ten(true, radial.scale.threshold_exponent)),
+                false => (place, label),
+            })
             .map(|(place, label)| (radial.position_radius(place), label))
             .collect();
-        page.draw_radius_axis(&rings, &format!("{} ({})", self.symbol, self.unit));
+        rings.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let name = format!("{} ({})", self.symbol, self.unit);
+        page.draw_radius_axis(&rings, &name, HOLE_FRACTION * radius);
     }
 }

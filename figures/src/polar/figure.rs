@@ -4,7 +4,6 @@ use plotters::style::RGBColor;
 
 use crate::growth::LabelledCurve;
 use crate::picture::{PALE_INK, Picture, Point};
-use crate::scale::format_number;
 
 /// Kind of a spoke of a polar diagram, which determines its style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +75,7 @@ impl Spoke {
 
     /// Formats the angle, rounded to 0.01°.
     pub(super) fn format_angle(&self) -> String {
-        format!("{}°", format_number((100.0 * self.upper_angle()).round() / 100.0))
+        let text = format!("{:.2}", self.upper_angle());
+        format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
     }
 }

@@ -6,7 +6,7 @@ use super::radius_axis::text_background;
 use crate::directions::spread_heights;
 use crate::page::{self, TICK_LABEL_SIZE};
 use crate::picture::{
-    Anchor, PALE_INK, Picture, Point, Rectangle, Text, clip_polyline, text_width,
+    Anchor, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline, text_width,
 };
 
 pub(crate) const LABEL_ROW_HEIGHT: f64 = 1.4 * TICK_LABEL_SIZE;
@@ -16,6 +16,8 @@ pub(crate) const ANGLE_LABEL_DISTANCE: f64 = 32.0;
 
 /// Distance from the rim to the labels of spokes, which lie outside the angles written around the rim, pixels.
 pub(super) const SPOKE_LABEL_DISTANCE: f64 = 2.0 * ANGLE_LABEL_DISTANCE + 12.0;
+/// Distance along the rim from an angle within which the start of a leader line takes its place, pixels.
+const MIN_START_DISTANCE: f64 = 24.0;
 /// Font size of the labels of spokes, pixels.
 const SPOKE_LABEL_SIZE: f64 = TICK_LABEL_SIZE - 2.0;
 
@@ -101,7 +103,8 @@ pub(crate) fn build_labels<'a>(spokes: impl Iterator<Item = &'a Spoke>) -> [Vec<
     [right, left]
 }
 
-/// Draws ticks around the rim every 15° and writes the angles every 30°, except where a leader line passes.
+/// Draws ticks around the rim every 15° and writes the angles every 30°, over leader lines that pass, except where a leader
+/// line starts, whose label has the angle there.
 pub(crate) fn draw_angle_labels(
     picture: &mut Picture,
     centre: Point,
@@ -122,9 +125,18 @@ pub(crate) fn draw_angle_labels(
         let [x, y] = polar_to_point(centre, angle, away);
         let text =
             Text::new([x, y + 0.36 * RING_LABEL_SIZE], Anchor::Middle, RING_LABEL_SIZE, label_text);
-        let is_free =
-            leaders.iter().all(|leader| clip_polyline(leader, text_background(&text)).is_empty());
-        if step % 2 == 0 && is_free {
+        let background = text_background(&text);
+        let crossing = |leader: &&[Point; 2]| !clip_polyline(*leader, background).is_empty();
+        let start_distance =
+            |leader: &[Point; 2]| (leader[0][0] - ends[0][0]).hypot(leader[0][1] - ends[0][1]);
+        let is_labelled = leaders
+            .iter()
+            .filter(crossing)
+            .any(|leader| start_distance(leader) < MIN_START_DISTANCE);
+        if step % 2 == 0 && !is_labelled {
+            if leaders.iter().any(|leader| crossing(&leader)) {
+                picture.fill_rectangle(background, WHITE);
+            }
             picture.draw_text(Text { colour: PALE_INK, ..text });
         }
     }

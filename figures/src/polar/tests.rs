@@ -97,3 +97,19 @@ fn the_angle_is_anticlockwise_and_the_circle_is_full() {
     assert_eq!(count(400..790, upper), 0);
     assert_eq!(count(810..1200, lower), 0);
 }
+
+/// The axis of the radius begins with the labelled ring of decay, and an angle on the rim gives way only to a spoke there.
+#[test]
+fn rings_of_decay_and_angles_are_labelled() {
+    let points = [[0.0, -1e3], [90.0, 1e4], [180.0, -1e3]];
+    let texts = |spokes: &[f64]| -> Vec<String> {
+        let picture = sample_figure(&points, spokes).to_picture();
+        picture.texts().map(|text| text.content.clone()).collect()
+    };
+    let found = texts(&[75.0, 85.0]);
+    assert!(found.iter().any(|text| text.starts_with("−10")), "{found:?}");
+    for angle in (0..12).map(|step| format!("{}°", 30 * step)) {
+        assert!(found.contains(&angle), "{angle} not in {found:?}");
+    }
+    assert!(!texts(&[60.0]).contains(&"60°".to_owned()));
+}

@@ -10,13 +10,11 @@ use crate::picture::{Colour, INK, Picture, Point, Rectangle, circle_points};
 /// Part of a square between four neighbouring points that belongs to one category, in units of the square.
 pub(super) struct Piece {
     pub(super) category: u8,
-    /// Corners of the square in the piece: 0 to 3, anticlockwise from the lower left.
-    pub(super) corners: Vec<usize>,
     pub(super) polygon: Vec<Point>,
 }
 
 /// Corners of a square as offsets from its lower left point, anticlockwise.
-pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 
 /// Width of the line that stands for a set of cells without area, pixels.
 const LINE_SET_WIDTH: f64 = 5.0;
@@ -143,13 +141,13 @@ fn split_square(
         let polygon = [*from].into_iter().chain(places).chain([to]).chain(middle).collect();
         let [x, y] = CORNERS[corners[0]];
         let cell = raster.cell_index(square[0] + x, square[1] + y);
-        Piece { category: raster.categories[cell], corners, polygon }
+        Piece { category: raster.categories[cell], polygon }
     });
     pieces.collect()
 }
 
 /// Returns whether a point is inside a polygon (even–odd rule).
-fn is_inside(polygon: &[Point], [x, y]: Point) -> bool {
+pub(crate) fn is_inside(polygon: &[Point], [x, y]: Point) -> bool {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
     let crossed = sides.filter(|&(&[x0, y0], &[x1, y1])| {
         (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
@@ -173,11 +171,10 @@ fn cut_polygon(polygon: &[Point], distance: impl Fn(Point) -> f64) -> Vec<Point>
     kept
 }
 
-/// Returns the part of a polygon in the quarter of the square next to a corner; empty if it has no area.
-pub(super) fn quarter_of(polygon: &[Point], corner: usize) -> Vec<Point> {
+/// Returns the part of a polygon in a rectangle from its lower left to its upper right corner; empty if it has no area.
+pub(super) fn cut_to_area(polygon: &[Point], low: Point, high: Point) -> Vec<Point> {
     let part = [0, 1].into_iter().fold(polygon.to_vec(), |part, axis| {
-        let sign = if CORNERS[corner][axis] == 1 { 1.0 } else { -1.0 };
-        cut_polygon(&part, |at| sign * (at[axis] - 0.5))
+        cut_polygon(&cut_polygon(&part, |at| at[axis] - low[axis]), |at| high[axis] - at[axis])
     });
     if part.len() < 3 { Vec::new() } else { part }
 }
@@ -196,17 +193,6 @@ pub(super) fn draw_borders(
         let places: Vec<Point> = line.iter().map(|&at| raster.place(frame, at)).collect();
         picture.draw_line(places, thickness, INK);
     }
-}
-
-/// Returns the part of a polygon inside the frame; empty if there is none.
-fn clip_to_frame(polygon: Vec<Point>, frame: Rectangle) -> Vec<Point> {
-    let sides: [&dyn Fn(Point) -> f64; 4] = [
-        &|[x, _]| x - frame.left,
-        &|[x, _]| frame.right - x,
-        &|[_, y]| y - frame.top,
-        &|[_, y]| frame.bottom - y,
-    ];
-    sides.into_iter().fold(polygon, |part, distance| cut_polygon(&part, distance))
 }
 
 /// Returns the area of a line segment of a width, with square ends.
@@ -261,8 +247,8 @@ pub(super) fn draw_line_sets(
     }
     for (rim, width) in [(true, LINE_SET_WIDTH + 2.0 * LINE_SET_RIM), (false, LINE_SET_WIDTH)] {
         let mut fill = |area: Vec<Point>, category: u8| {
-            let area = clip_to_frame(area, frame);
-            if area.len() > 2 {
+            let area = cut_to_area(&area, [frame.left, frame.top], [frame.right, frame.bottom]);
+            if !area.is_empty() {
                 picture.fill_polygon(area, if rim { INK } else { colour(category) });
             }
         };
@@ -319,7 +305,7 @@ mod tests {
         }
     }
 
-    /// The pieces of a square and their quarters have its area, whatever the categories of its corners are.
+    /// The pieces of a square and their parts in a grid have its area, whatever the categories of its corners are.
     #[test]
     fn pieces_cover_the_square() {
         for code in 0..81_u32 {
@@ -332,10 +318,14 @@ mod tests {
             if let Some(pieces) = found.pieces([0, 0]) {
                 let areas = pieces.iter().map(|piece| area(&piece.polygon));
                 assert!((areas.sum::<f64>() - 1.0).abs() < 1e-12, "{categories:?}");
-                let quarters = pieces.iter().flat_map(|piece| {
-                    (0..4).map(|corner| area(&quarter_of(&piece.polygon, corner)))
+                let parts = pieces.iter().flat_map(|piece| {
+                    (0..15).map(|index| {
+                        let low = [f64::from(index % 5) / 5.0, f64::from(index / 5) / 3.0];
+                        let high = [low[0] + 0.2, low[1] + 1.0 / 3.0];
+                        area(&cut_to_area(&piece.polygon, low, high))
+                    })
                 });
-                assert!((quarters.sum::<f64>() - 1.0).abs() < 1e-12, "{categories:?}");
+                assert!((parts.sum::<f64>() - 1.0).abs() < 1e-12, "{categories:?}");
             }
         }
     }

@@ -1,16 +1,43 @@
 //! Drawing of the cells with their colours and hatching.
 
-use super::boundaries::{Boundaries, CORNERS, quarter_of};
+use std::collections::HashMap;
+
+use super::boundaries::{Boundaries, cut_to_area};
 use super::colour_map::{INFINITE_LEVEL_COLOUR, MISSING_LEVEL_COLOUR, shade_colour};
 use super::figure::VerdictMap;
 use super::hatching::{category_fill, draw_hatch};
-use super::levels::LevelRange;
+use super::levels::{LevelField, LevelRange};
 use super::raster::VerdictRaster;
 use crate::picture::{Colour, Picture, Point, Rectangle};
 
+/// Largest width and height of the patches of one colour in which levels are drawn, pixels: little more than the width
+/// of a shade where levels change over the width of the map.
+const PATCH_SIZE: f64 = 4.0;
+
+/// Colours of one category.
+enum CategoryColour<'a> {
+    Uniform(Colour),
+    Graded { field: LevelField<'a>, range: &'a LevelRange },
+}
+
+impl CategoryColour<'_> {
+    /// Returns the colour at a position in units of the point spacing.
+    fn at(&self, place: Point) -> Colour {
+        match self {
+            Self::Uniform(colour) => *colour,
+            Self::Graded { field, range } => match field.level_at(place) {
+                f64::INFINITY => INFINITE_LEVEL_COLOUR,
+                level if level.is_nan() => MISSING_LEVEL_COLOUR,
+                // Between points, levels are extrapolated to zero and below next to a boundary where growth vanishes.
+                level => shade_colour(range.fraction(level.max(f64::MIN_POSITIVE))),
+            },
+        }
+    }
+}
+
 impl VerdictMap {
-    /// Fills the cells; runs of one colour in a row are filled as one rectangle. Squares between four points of several
-    /// categories are split at the boundary.
+    /// Fills the cells in patches of one colour. Squares between four points of several categories are then split
+    /// exactly at the boundary.
     pub(super) fn draw_cells(
         &self,
         picture: &mut Picture,
@@ -19,67 +46,93 @@ impl VerdictMap {
         boundaries: &Boundaries,
         range: Option<&LevelRange>,
     ) {
-        let grounds: Vec<(Colour, bool)> = self
-            .categories
-            .iter()
-            .map(|category| {
-                (category_fill(category.fill_style).0, category.fill_style.is_ill_posed())
+        let spacing = raster.spacing(frame);
+        let colours: Vec<CategoryColour<'_>> = (0_u8..)
+            .zip(&self.categories)
+            .map(|(index, category)| match range {
+                Some(range) if category.fill_style.is_ill_posed() => {
+                    let field = LevelField::new(raster, index, spacing);
+                    CategoryColour::Graded { field, range }
+                }
+                _ => CategoryColour::Uniform(category_fill(category.fill_style).0),
             })
             .collect();
-        let colour = |cell: usize| {
-            let (ground, ill_posed) = grounds[usize::from(raster.categories[cell])];
-            match range {
-                Some(range) if ill_posed => {
-                    let level = raster.levels[cell];
-                    if level == f64::INFINITY {
-                        INFINITE_LEVEL_COLOUR
-                    } else if level > 0.0 {
-                        shade_colour(range.fraction(level))
-                    } else {
-                        MISSING_LEVEL_COLOUR
+        let [nx, ny] = spacing.map(|length| (length / PATCH_SIZE).ceil().max(1.0));
+        self.draw_patches(picture, frame, (raster, boundaries), &colours, [nx, ny]);
+        for square in boundaries.squares() {
+            let offset = square.map(|index| index as f64);
+            let beyond = |[x, y]: Point| [x + offset[0], y + offset[1]];
+            for piece in boundaries.pieces(square).unwrap_or_default() {
+                let colour = &colours[usize::from(piece.category)];
+                let mut fill = |part: &[Point], colour: Colour| {
+                    let corners = part.iter().map(|&at| raster.place(frame, beyond(at)));
+                    picture.fill_polygon(corners.collect(), colour);
+                };
+                if let CategoryColour::Uniform(colour) = colour {
+                    fill(&piece.polygon, *colour);
+                    continue;
+                }
+                for (j, i) in (0..ny as usize).flat_map(|j| (0..nx as usize).map(move |i| (j, i))) {
+                    let low = [i as f64 / nx, j as f64 / ny];
+                    let high = [(i + 1) as f64 / nx, (j + 1) as f64 / ny];
+                    let part = cut_to_area(&piece.polygon, low, high);
+                    if !part.is_empty() {
+                        let middle = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
+                        fill(&part, colour.at(beyond(middle)));
                     }
                 }
-                _ => ground,
-            }
-        };
-        // A cell extends half way to the neighbouring points.
-        let lower_edge = |index: usize| index as f64 - 0.5;
-        for row in (0..raster.rows).rev() {
-            let mut start = 0;
-            while start < raster.columns {
-                let ground = colour(raster.cell_index(start, row));
-                let run = (start + 1..raster.columns)
-                    .find(|&column| colour(raster.cell_index(column, row)) != ground)
-                    .unwrap_or(raster.columns);
-                let [left, bottom] = raster.place(frame, [lower_edge(start), lower_edge(row)]);
-                let [right, top] = raster.place(frame, [lower_edge(run), lower_edge(row + 1)]);
-                // Each area extends below the following cells, which prevents hairlines between cells in scaled
-                // pictures.
-                let area = Rectangle {
-                    left: left.max(frame.left),
-                    top: top.max(frame.top),
-                    right: (right + 2.0).min(frame.right),
-                    bottom: (bottom + 2.0).min(frame.bottom),
-                };
-                picture.fill_rectangle(area, ground);
-                start = run;
             }
         }
-        for square in boundaries.squares() {
-            for piece in boundaries.pieces(square).unwrap_or_default() {
-                for corner in 0..4 {
-                    let quarter = quarter_of(&piece.polygon, corner);
-                    // A quarter next to a point of another category has the colour of the nearest point of its own.
-                    let distance = |other: &&usize| (**other + 4 - corner) % 4 % 3;
-                    let nearest = piece.corners.iter().min_by_key(distance);
-                    let Some(&nearest) = nearest.filter(|_| !quarter.is_empty()) else { continue };
-                    let [x, y] = CORNERS[nearest];
-                    let cell = raster.cell_index(square[0] + x, square[1] + y);
-                    let offset = square.map(|index| index as f64);
-                    let place = |[x, y]: Point| raster.place(frame, [x + offset[0], y + offset[1]]);
-                    picture.fill_polygon(quarter.into_iter().map(place).collect(), colour(cell));
+    }
+
+    /// Fills the frame in patches, `nx` by `ny` between neighbouring points; runs of one colour in a row are one patch.
+    fn draw_patches(
+        &self,
+        picture: &mut Picture,
+        frame: Rectangle,
+        (raster, boundaries): (&VerdictRaster, &Boundaries),
+        colours: &[CategoryColour<'_>],
+        [nx, ny]: [f64; 2],
+    ) {
+        let counts = [(raster.columns, nx), (raster.rows, ny)]
+            .map(|(points, parts)| points.saturating_sub(1).max(1) * parts as usize);
+        // A single column or row of points is in the middle of the frame, at position 0.
+        let position = |index: f64, parts: f64, points: usize| {
+            if points > 1 { index / parts } else { 0.0 }
+        };
+        let [width, height] = [frame.width() / counts[0] as f64, frame.height() / counts[1] as f64];
+        let mut patches: Vec<(Colour, Vec<Rectangle>)> = Vec::new();
+        let mut index_of_colour: HashMap<[u8; 3], usize> = HashMap::new();
+        for row in 0..counts[1] {
+            let y = position(row as f64 + 0.5, ny, raster.rows);
+            let colour = |column: usize| {
+                let place = [position(column as f64 + 0.5, nx, raster.columns), y];
+                colours[usize::from(boundaries.category_at(raster, place))].at(place)
+            };
+            let bottom = frame.bottom - row as f64 * height;
+            let (mut start, mut ground) = (0, colour(0));
+            for column in 1..=counts[0] {
+                let next = if column < counts[0] { Some(colour(column)) } else { None };
+                if next == Some(ground) {
+                    continue;
                 }
+                let area = Rectangle {
+                    left: frame.left + start as f64 * width,
+                    right: frame.left + column as f64 * width,
+                    top: bottom - height,
+                    bottom,
+                };
+                let index =
+                    *index_of_colour.entry([ground.0, ground.1, ground.2]).or_insert_with(|| {
+                        patches.push((ground, Vec::new()));
+                        patches.len() - 1
+                    });
+                patches[index].1.push(area);
+                (start, ground) = (column, next.unwrap_or(ground));
             }
+        }
+        for (colour, areas) in patches {
+            picture.fill_patches(areas, colour);
         }
     }
 

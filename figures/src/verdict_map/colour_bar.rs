@@ -5,7 +5,7 @@ use super::colour_map::{
 };
 use super::figure::VerdictMap;
 use super::levels::{LevelRange, contour_colour};
-use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, MARGIN, TICK_LABEL_SIZE};
+use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, MARGIN, MIN_TEXT_SIZE, TICK_LABEL_SIZE};
 use crate::picture::{Anchor, INK, Picture, Rectangle, Text};
 use crate::scale::Tick;
 
@@ -61,6 +61,13 @@ impl VerdictMap {
             picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
         }
         picture.draw_frame(bar, FRAME_LINE_WIDTH, INK);
+        if has_line.contains(&true) {
+            // Below the bar: what its lines stand for.
+            let y = frame.bottom + 1.3 * TICK_LABEL_SIZE;
+            picture.draw_line([[bar.left, y], [bar.right, y]], 1.6, INK);
+            let at = [bar.right + 8.0, y + 0.36 * MIN_TEXT_SIZE];
+            picture.draw_text(Text::new(at, Anchor::Start, MIN_TEXT_SIZE, "contour"));
+        }
         let x = page::width() - MARGIN - 0.3 * AXIS_NAME_SIZE;
         page::draw_vertical_name(picture, x, [frame.top, frame.bottom], &self.level_label);
     }

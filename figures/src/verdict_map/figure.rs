@@ -27,8 +27,8 @@ pub enum Hatching {
     Horizontal,
     /// Vertical lines.
     Vertical,
-    /// Rising and falling lines.
-    Crossed,
+    /// Horizontal and vertical lines. Rising and falling ones stand for unbounded growth at a finite wave number.
+    Grid,
 }
 
 /// Fill style of the cells of a category.
@@ -118,6 +118,39 @@ impl VerdictMap {
             Some(&found) => Err(FigureError::UnknownCategory { found, known }),
             None => Ok(()),
         }
+    }
+
+    /// Returns for each cell whether it is drawn as part of a line or as a single point. Single points of a category that
+    /// has cells elsewhere too, such as at the tip of an area, are drawn as areas.
+    pub(super) fn line_cells(&self) -> Vec<bool> {
+        let (columns, rows) = (self.x.values.len(), self.y.values.len());
+        let category = |cell: usize| usize::from(self.category_indices[cell]);
+        let is_line = |cell: usize| self.is_line.get(cell).copied().unwrap_or(false);
+        let mut has_areas = vec![false; self.categories.len()];
+        let mut has_lines = vec![false; self.categories.len()];
+        let mut is_joined = vec![false; columns * rows];
+        for cell in 0..columns * rows {
+            has_areas[category(cell)] |= !is_line(cell);
+            if !is_line(cell) {
+                continue;
+            }
+            let (i, j) = (cell % columns, cell / columns);
+            for (i, j) in [(i + 1, j), (i, j + 1), (i + 1, j + 1), (i.wrapping_sub(1), j + 1)] {
+                if i >= columns || j >= rows {
+                    continue;
+                }
+                let next = j * columns + i;
+                if is_line(next) && category(next) == category(cell) {
+                    (is_joined[cell], is_joined[next]) = (true, true);
+                    has_lines[category(cell)] = true;
+                }
+            }
+        }
+        let is_drawn = |cell: usize| {
+            let is_alone = !has_areas[category(cell)] && !has_lines[category(cell)];
+            is_line(cell) && (is_joined[cell] || is_alone)
+        };
+        (0..columns * rows).map(is_drawn).collect()
     }
 
     /// Returns the cells coloured by level, each with its level.

@@ -13,15 +13,16 @@ pub(crate) struct HatchLines {
     /// Direction of the lines; y increases downwards.
     pub(crate) direction: [f64; 2],
     /// Distance between the lines, pixels.
-    spacing: f64,
-    pub(super) line_width: f64,
-    pub(super) colour: Colour,
+    pub(crate) spacing: f64,
+    /// Width of the lines, pixels.
+    pub(crate) line_width: f64,
+    pub(crate) colour: Colour,
 }
 
 const RISING_DIRECTION: [f64; 2] = [1.0, -1.0];
 const FALLING_DIRECTION: [f64; 2] = [1.0, 1.0];
 const HORIZONTAL_DIRECTION: [f64; 2] = [1.0, 0.0];
-const VERTICAL_DIRECTION: [f64; 2] = [0.0, 1.0];
+pub(crate) const VERTICAL_DIRECTION: [f64; 2] = [0.0, 1.0];
 
 /// Returns the fill of a category without levels: background colour and hatching.
 pub(crate) fn category_fill(style: FillStyle) -> (Colour, Vec<HatchLines>) {
@@ -40,7 +41,7 @@ pub(crate) fn category_fill(style: FillStyle) -> (Colour, Vec<HatchLines>) {
                 Hatching::Falling => &[FALLING_DIRECTION],
                 Hatching::Horizontal => &[HORIZONTAL_DIRECTION],
                 Hatching::Vertical => &[VERTICAL_DIRECTION],
-                Hatching::Crossed => &[RISING_DIRECTION, FALLING_DIRECTION],
+                Hatching::Grid => &[HORIZONTAL_DIRECTION, VERTICAL_DIRECTION],
             };
             let pair =
                 |&along: &[f64; 2]| [hatch(along, 30.0, 3.4, 255), hatch(along, 30.0, 1.4, 20)];
@@ -68,7 +69,7 @@ pub(crate) fn category_fill(style: FillStyle) -> (Colour, Vec<HatchLines>) {
 }
 
 /// Draws the lines of a hatching over the points of an area that `is_covered` selects.
-pub(super) fn draw_hatch(
+pub(crate) fn draw_hatch(
     picture: &mut Picture,
     area: Rectangle,
     hatch: HatchLines,

@@ -14,8 +14,8 @@ impl VerdictMap {
     pub(super) fn legend_entries(&self, range: Option<&LevelRange>) -> Vec<LegendEntry> {
         // Numbers of points of each category in areas and on lines.
         let mut counts = vec![[0_usize; 2]; self.categories.len()];
-        for (cell, &category) in self.category_indices.iter().enumerate() {
-            let is_line = self.is_line.get(cell).copied().unwrap_or(false);
+        let line_cells = self.line_cells();
+        for (&category, &is_line) in self.category_indices.iter().zip(&line_cells) {
             counts[usize::from(category)][usize::from(is_line)] += 1;
         }
         let cells = counts.iter().map(|[in_area, _]| in_area).sum();
@@ -26,7 +26,7 @@ impl VerdictMap {
             match counts[index] {
                 [0, 0] => continue,
                 [0, _] => {
-                    let is_point = !self.has_neighbours_on_line(index);
+                    let is_point = !self.has_neighbours_on_line(index, &line_cells);
                     let swatch = move |picture: &mut Picture, area: Rectangle| {
                         draw_line_set_swatch(picture, area, ground, is_point);
                     };
@@ -79,12 +79,11 @@ impl VerdictMap {
     }
 
     /// Returns whether two neighbouring points, diagonal ones included, of a category are on lines.
-    fn has_neighbours_on_line(&self, category: usize) -> bool {
+    fn has_neighbours_on_line(&self, category: usize, line_cells: &[bool]) -> bool {
         let (columns, rows) = (self.x.values.len(), self.y.values.len());
         let is_own = |i: usize, j: usize| {
             let cell = j * columns + i;
-            usize::from(self.category_indices[cell]) == category
-                && self.is_line.get(cell).copied().unwrap_or(false)
+            usize::from(self.category_indices[cell]) == category && line_cells[cell]
         };
         let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
         cells.filter(|&(i, j)| is_own(i, j)).any(|(i, j)| {

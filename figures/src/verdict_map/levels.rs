@@ -8,6 +8,9 @@ use crate::contour;
 use crate::picture::{Colour, Picture, Point, Rectangle};
 use crate::scale::Tick;
 
+/// Length of the steps in which contour lines are cut off at the boundary of their category, pixels.
+const CONTOUR_STEP: f64 = 1.0;
+
 /// Range of the colour map, in log₁₀ of the growth level.
 pub(super) struct LevelRange {
     pub(super) low: f64,
@@ -58,6 +61,125 @@ impl LevelRange {
     }
 }
 
+/// Growth levels of one category between the points of the raster. Levels are bilinear between points. Beyond the
+/// boundary of the category, which lies between points, they are extrapolated linearly from the points inside, so that
+/// levels and contour lines extend to the boundary; where the growth vanishes at the boundary, so do they.
+pub(super) struct LevelField<'a> {
+    raster: &'a VerdictRaster,
+    category: u8,
+    /// Levels at the points; NaN where there is neither a level nor one to be extrapolated.
+    levels: Vec<f64>,
+}
+
+impl<'a> LevelField<'a> {
+    /// `spacing` has the distances between points along x and y, pixels.
+    pub(super) fn new(raster: &'a VerdictRaster, category: u8, spacing: [f64; 2]) -> Self {
+        let points = (0..raster.rows).flat_map(|j| (0..raster.columns).map(move |i| [i, j]));
+        let levels = points.map(|at| match own_level(raster, category, at) {
+            Some(level) => level,
+            None => extrapolate(raster, category, at, spacing),
+        });
+        Self { raster, category, levels: levels.collect() }
+    }
+
+    /// Returns the level at a position in units of the point spacing; between points without finite level that of the
+    /// nearest point of the category.
+    pub(super) fn level_at(&self, [x, y]: Point) -> f64 {
+        let Self { raster, category, levels } = self;
+        let lower =
+            |place: f64, count: usize| (place.max(0.0) as usize).min(count.saturating_sub(2));
+        let (i, j) = (lower(x, raster.columns), lower(y, raster.rows));
+        let [u, v] = [x - i as f64, y - j as f64].map(|share| share.clamp(0.0, 1.0));
+        let corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
+            .map(|(i, j)| raster.cell_index(i.min(raster.columns - 1), j.min(raster.rows - 1)));
+        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+        let own = corners.map(|cell| raster.categories[cell] == *category);
+        let parts = corners.map(|cell| levels[cell]);
+        // A point without level of the category itself, such as one with infinite growth, has a colour of its own.
+        if parts.iter().all(|level| level.is_finite()) {
+            return parts.iter().zip(weights).map(|(level, weight)| level * weight).sum();
+        }
+        let nearest = (0..4).filter(|&corner| own[corner]);
+        let nearest = nearest.max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
+        nearest.map_or(f64::NAN, |corner| raster.levels[corners[corner]])
+    }
+
+    /// Computes the contour lines at a level, in units of the point spacing: the parts inside the category, in steps of
+    /// at most `step` of a spacing.
+    pub(super) fn trace_contours(
+        &self,
+        boundaries: &Boundaries,
+        level: f64,
+        step: f64,
+    ) -> Vec<Vec<Point>> {
+        let Self { raster, category, levels } = self;
+        let value = |i: usize, j: usize| levels[raster.cell_index(i, j)];
+        let whole = contour::trace_contours(raster.columns, raster.rows, value, level);
+        let mut parts = Vec::new();
+        for line in whole {
+            let mut part: Vec<Point> = Vec::new();
+            for piece in line.windows(2) {
+                let [from, to] = [piece[0], piece[1]];
+                let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+                let count = (length / step).ceil().max(1.0) as usize;
+                let at = |index: f64| {
+                    [0, 1].map(|axis| from[axis] + index / count as f64 * (to[axis] - from[axis]))
+                };
+                for index in 0..count {
+                    let middle = at(index as f64 + 0.5);
+                    if boundaries.category_at(raster, middle) == *category {
+                        if part.is_empty() {
+                            part.push(at(index as f64));
+                        }
+                        part.push(at(index as f64 + 1.0));
+                    } else if !part.is_empty() {
+                        parts.push(std::mem::take(&mut part));
+                    }
+                }
+            }
+            if !part.is_empty() {
+                parts.push(part);
+            }
+        }
+        parts
+    }
+}
+
+/// Returns the level of a point of a category; `None` for points of other categories.
+fn own_level(raster: &VerdictRaster, category: u8, [i, j]: [usize; 2]) -> Option<f64> {
+    let cell = raster.cell_index(i, j);
+    let level = raster.levels[cell];
+    let is_level = level.is_finite() && level > 0.0;
+    (raster.categories[cell] == category).then_some(if is_level { level } else { f64::NAN })
+}
+
+/// Extrapolates the levels of a category linearly from its points next to a point of another category. Directions are
+/// weighted by the inverse square of the distance of points on the page.
+fn extrapolate(
+    raster: &VerdictRaster,
+    category: u8,
+    [i, j]: [usize; 2],
+    [width, height]: [f64; 2],
+) -> f64 {
+    let level = |di: isize, dj: isize| {
+        let at = [i.checked_add_signed(di)?, j.checked_add_signed(dj)?];
+        let is_inside = at[0] < raster.columns && at[1] < raster.rows;
+        own_level(raster, category, if is_inside { at } else { return None })
+            .filter(|level| level.is_finite())
+    };
+    let (mut of_lines, mut of_points) = ([0.0; 2], [0.0; 2]);
+    for (di, dj) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+        let Some(near) = level(di, dj) else { continue };
+        let weight = 1.0 / ((di as f64 * width).powi(2) + (dj as f64 * height).powi(2));
+        of_points = [of_points[0] + weight * near, of_points[1] + weight];
+        if let Some(far) = level(2 * di, 2 * dj) {
+            of_lines = [of_lines[0] + weight * (2.0 * near - far), of_lines[1] + weight];
+        }
+    }
+    let [sum, weight] = if of_lines[1] > 0.0 { of_lines } else { of_points };
+    sum / weight
+}
+
 impl VerdictMap {
     /// Draws the contour lines at the ticks of the colour bar, separately for each category, since levels of different
     /// categories may be different quantities. Lines that nowhere leave the neighbourhood of a boundary are omitted:
@@ -71,18 +193,16 @@ impl VerdictMap {
         ticks: &[Tick],
     ) -> Vec<bool> {
         let mut has_line = vec![false; ticks.len()];
-        let logs: Vec<f64> = raster.levels.iter().map(|level| level.log10()).collect();
-        for (index, category) in self.categories.iter().enumerate() {
+        let spacing = raster.spacing(frame);
+        let step = CONTOUR_STEP / spacing[0].max(spacing[1]);
+        for (index, category) in (0_u8..).zip(&self.categories) {
             if !category.fill_style.is_ill_posed() {
                 continue;
             }
-            let value = |column: usize, row: usize| {
-                let cell = raster.cell_index(column, row);
-                if usize::from(raster.categories[cell]) == index { logs[cell] } else { f64::NAN }
-            };
+            let field = LevelField::new(raster, index, spacing);
             for ((tick, _), has_line) in ticks.iter().zip(&mut has_line) {
                 let colour = contour_colour(range, *tick);
-                for line in contour::trace_contours(raster.columns, raster.rows, value, *tick) {
+                for line in field.trace_contours(boundaries, 10_f64.powf(*tick), step) {
                     let square = |[x, y]: Point| [x as usize, y as usize];
                     if line.iter().all(|&at| boundaries.is_near(square(at))) {
                         continue;

@@ -88,10 +88,8 @@ impl VerdictMap {
             };
             cells.iter().map(share).collect()
         });
-        let is_line = |cell: &[usize; 2]| {
-            is_whole && self.is_line.get(index(*cell)).copied().unwrap_or(false)
-        };
-        let is_line = cells.iter().map(is_line).collect();
+        let line_cells = self.line_cells();
+        let is_line = cells.iter().map(|&cell| is_whole && line_cells[index(cell)]).collect();
         VerdictRaster { columns, rows, categories, levels, boundaries, is_line }
     }
 }

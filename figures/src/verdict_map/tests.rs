@@ -1,10 +1,12 @@
 //! Tests of verdict maps.
 
 use super::axes::AxisExtent;
+use super::boundaries::Boundaries;
 use super::colour_map::{INFINITE_LEVEL_COLOUR, SHADE_COUNT, shade_colour};
 use super::figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use super::hatching::category_fill;
-use super::levels::LevelRange;
+use super::levels::{LevelField, LevelRange};
+use super::raster::VerdictRaster;
 use super::shares::format_percent;
 use crate::colour::luminance;
 use crate::format::FigureFormat;
@@ -140,6 +142,100 @@ fn sets_without_area_are_drawn_as_lines() {
     check_map(&map);
 }
 
+/// A point without neighbours in its set is a disc only if its category has no area: the tip of an area is none.
+#[test]
+fn tips_of_areas_are_no_single_points() {
+    let mut map = sample_map(9, 9);
+    map.curves.clear();
+    // Ill-posed are the right half and a point in the left half.
+    map.category_indices[4 * 9 + 1] = 1;
+    map.is_line = (0..81).map(|cell| cell == 4 * 9 + 1).collect();
+    assert!(map.line_cells().iter().all(|is_line| !is_line));
+    check_map(&map);
+    for cell in [4 * 9 + 1, 5 * 9 + 2] {
+        (map.category_indices[cell], map.is_line[cell]) = (1, true);
+    }
+    assert_eq!(map.line_cells().iter().filter(|is_line| **is_line).count(), 2);
+}
+
+/// Builds the raster of a level that increases linearly with the distance from an oblique boundary, at which it vanishes;
+/// returns it with that distance.
+fn half_plane_raster() -> (VerdictRaster, impl Fn([f64; 2]) -> f64) {
+    let (columns, rows) = (12, 9);
+    let distance = |[x, y]: [f64; 2]| x + 2.3 * y - 10.4;
+    let at = |cell: usize| [(cell % columns) as f64, (cell / columns) as f64];
+    let cells = || (0..columns * rows).map(at);
+    let boundaries = [[1.0, 0.0], [0.0, 1.0]].map(|step: [f64; 2]| {
+        let share = |from: [f64; 2]| {
+            let next = [from[0] + step[0], from[1] + step[1]];
+            distance(from) / (distance(from) - distance(next))
+        };
+        cells().map(share).collect()
+    });
+    let raster = VerdictRaster {
+        columns,
+        rows,
+        categories: cells().map(|place| u8::from(distance(place) > 0.0)).collect(),
+        levels: cells().map(distance).collect(),
+        boundaries,
+        is_line: vec![false; columns * rows],
+    };
+    (raster, distance)
+}
+
+/// Between points and up to the boundary, a linear level is exact, whatever values other categories have.
+#[test]
+fn levels_extend_linearly_to_the_boundary() {
+    let (mut raster, distance) = half_plane_raster();
+    for (level, category) in raster.levels.iter_mut().zip(&raster.categories) {
+        if *category == 0 {
+            *level = f64::NAN;
+        }
+    }
+    let field = LevelField::new(&raster, 1, [5.0, 30.0]);
+    let mut count = 0;
+    for (i, j) in (0..=110).flat_map(|i| (0..=80).map(move |j| (i, j))) {
+        let place = [0.1 * f64::from(i), 0.1 * f64::from(j)];
+        if distance(place) > 0.0 {
+            assert!((field.level_at(place) - distance(place)).abs() < 1e-12, "{place:?}");
+            count += 1;
+        }
+    }
+    assert!(count > 1000);
+}
+
+/// Contour lines end at the boundary of their category or at the edge of the map, not between points.
+#[test]
+fn contour_lines_end_at_boundaries() {
+    let (mut raster, distance) = half_plane_raster();
+    // The levels increase along the boundary, so that their contour lines meet it.
+    let columns = raster.columns;
+    for (cell, level) in raster.levels.iter_mut().enumerate() {
+        *level = 1.0 + (cell % columns) as f64;
+    }
+    let boundaries = Boundaries::new(&raster);
+    let step = 0.01;
+    let field = LevelField::new(&raster, 1, [10.0, 10.0]);
+    let lines = field.trace_contours(&boundaries, 6.5, step);
+    assert_eq!(lines.len(), 1);
+    let ends = [lines[0][0], lines[0][lines[0].len() - 1]];
+    for end in ends {
+        assert!((end[0] - 5.5).abs() < 1e-12);
+        assert!(distance(end).abs() < 3.0 * step || end[1] == 8.0, "{end:?}");
+    }
+    assert!(lines[0].iter().all(|place| distance(*place) > -3.0 * step));
+}
+
+/// The colour bar names contour lines only if there are some.
+#[test]
+fn colour_bar_names_contour_lines() {
+    let has_name = |map: &VerdictMap| picture_texts(map).iter().any(|text| text == "contour");
+    let mut map = sample_map(40, 6);
+    assert!(has_name(&map));
+    map.growth_levels.fill(1.0);
+    assert!(!has_name(&map));
+}
+
 /// Single points of a set without area are drawn as discs, inside the frame.
 #[test]
 fn single_points_without_area_are_drawn_as_discs() {
@@ -209,7 +305,7 @@ fn fill_styles_differ_in_greyscale() {
         IllPosed(Hatching::Falling),
         IllPosed(Hatching::Horizontal),
         IllPosed(Hatching::Vertical),
-        IllPosed(Hatching::Crossed),
+        IllPosed(Hatching::Grid),
         UnboundedAtFiniteWaveNumber,
         Marginal,
         Indeterminate,

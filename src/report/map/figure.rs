@@ -1,9 +1,9 @@
 //! Figure of a map: the verdict over two parameters of a case.
 
-use crate::case::{Case, ModelKind, SweepParameter};
-use crate::report::format::{
-    case_title, coefficient_unit, format_short, format_superscript, format_unit_suffix,
-};
+use crate::case::Case;
+use crate::report::format::{case_title, coefficient_unit, format_short, format_superscript};
+use crate::report::parameters::format_subtitle;
+use crate::report::symbols::{typeset_symbol, typeset_unit};
 use crate::study::MapResult;
 use crate::study::map::summary::MapAxis;
 use crate::study::map::{MapPoint, PointStatus};
@@ -21,10 +21,9 @@ fn classify_growth(point: &MapPoint) -> GrowthClass {
 
 pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
     let axis = |axis: &MapAxis| VerdictMapAxis {
-        label: match axis.unit {
-            "" => axis.label.clone(),
-            "deg" => format!("{} (°)", axis.label),
-            unit => format!("{} ({unit})", axis.label),
+        label: match (case.equations.is_some(), axis.unit) {
+            (true, unit) => format_axis_label(&typeset_symbol(&axis.label), &typeset_unit(unit)),
+            (false, unit) => format_axis_label(&axis.label, unit),
         },
         values: axis.values.clone(),
         is_log: axis.spacing.is_some(),
@@ -42,7 +41,7 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
         compute_colour_level(points, &orders, case.material.numbers.wave.wave_number);
     VerdictMap {
         title: case_title(case),
-        subtitle: format_subtitle(case, found),
+        subtitle: format_subtitle(case, &[&found.x.parameter, &found.y.parameter]),
         x: axis(&found.x),
         y: axis(&found.y),
         categories: create_categories(&kinds),
@@ -52,6 +51,15 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
         boundaries: found.boundaries.step_fractions.clone(),
         is_line: found.boundaries.is_on_line.clone(),
         curves: collect_noncoaxiality_curves(found),
+    }
+}
+
+/// Formats name and unit of an axis.
+fn format_axis_label(name: &str, unit: &str) -> String {
+    match unit {
+        "" => name.to_owned(),
+        "deg" => format!("{name} (°)"),
+        unit => format!("{name} ({unit})"),
     }
 }
 
@@ -84,7 +92,7 @@ fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
 fn growth_hatching(order: f64, speeds: Option<Hyperbolicity>) -> Hatching {
     match speeds {
         Some(Hyperbolicity::Flutter) => Hatching::Plain,
-        Some(Hyperbolicity::FlutterAndShearBand) => Hatching::Crossed,
+        Some(Hyperbolicity::FlutterAndShearBand) => Hatching::Grid,
         Some(_) => Hatching::Vertical,
         None if order == 2.0 => Hatching::Plain,
         None if order == 1.0 => Hatching::Rising,
@@ -138,61 +146,6 @@ fn compute_colour_level(
             (label, points.iter().map(rate).collect())
         }
     }
-}
-
-/// Returns the symbol of a parameter by its label, such as ρ of "density ρ"; the whole label if it has none.
-fn parameter_symbol(label: &str) -> &str {
-    match label.rsplit_once(' ') {
-        Some((_, symbol)) if symbol.chars().count() <= 3 => symbol,
-        _ => label,
-    }
-}
-
-/// Describes the model and all parameters of model, yield set, stress and background that the map does not sweep, except
-/// those that are zero, and the deviatoric stress of a solid, which is scaled until the solid yields.
-fn format_subtitle(case: &Case, found: &MapResult) -> String {
-    let fixed = SweepParameter::all_parameters().filter_map(|parameter| {
-        let name = parameter.name();
-        let is_of_state = ["model.", "yield.", "stress.", "background."]
-            .iter()
-            .any(|section| name.starts_with(section));
-        let is_fixed = is_of_state
-            && name != "stress.deviatoric_stress"
-            && name != found.x.parameter
-            && name != found.y.parameter
-            && parameter.key().is_used_by(case.medium());
-        let value = parameter.value(&case.material.numbers).filter(|value| *value != 0.0)?;
-        is_fixed.then(|| {
-            let symbol = parameter_symbol(&parameter.label()).to_owned();
-            format!("{symbol} = {}{}", format_short(value), format_unit_suffix(parameter.unit()))
-        })
-    });
-    let of_equations = case.equations.iter().flat_map(|equations| {
-        let values = case.material.numbers.equation_numbers.iter();
-        equations.number_names().zip(values).filter_map(|([key, label, unit], value)| {
-            let is_fixed = *value != 0.0 && key != found.x.parameter && key != found.y.parameter;
-            is_fixed
-                .then(|| format!("{label} = {}{}", format_short(*value), format_unit_suffix(unit)))
-        })
-    });
-    let space = match (case.material.kind, case.material.numbers.dimensions) {
-        (ModelKind::Solid(_), 3) => Some("in space".to_owned()),
-        (ModelKind::Solid(_), _) => Some("plane strain".to_owned()),
-        _ => None,
-    };
-    let active = case.material.active_conditions.iter().map(|active| {
-        let all = case.medium().yield_condition_names();
-        let names: Vec<&str> = active.iter().map(|&index| all[index]).collect();
-        format!("active {}", names.join(" "))
-    });
-    [case.medium().title()]
-        .into_iter()
-        .chain(space)
-        .chain(active)
-        .chain(fixed)
-        .chain(of_equations)
-        .collect::<Vec<_>>()
-        .join(", ")
 }
 
 /// Returns the curves of the closed-form bound of the model on the non-coaxiality |Δ|, degrees, if Δ is on one of the
