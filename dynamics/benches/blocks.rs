@@ -180,6 +180,7 @@ fn compare_block_counts(picture: Option<&str>) {
         curves,
         reference_lines: Vec::new(),
         marks: Vec::new(),
+        is_measured: true,
     };
     let [steps, blocks] = curves;
     let figure = GrowthFigure {

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use crate::colour::CURVE_COLOURS;
 use crate::error::FigureError;
 use crate::format::FigureOutput;
-use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
+use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN, Swatch};
 use crate::picture::{
     Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline,
     text_width,
@@ -20,6 +20,13 @@ pub struct LabelledCurve {
     /// Points in the units of the axes. NaN interrupts the line; an infinite growth rate is drawn at the edge of the
     /// panel.
     pub points: Vec<[f64; 2]>,
+}
+
+impl LabelledCurve {
+    /// Returns whether the curve has points to be drawn; a curve without any is not in the legend.
+    pub(crate) fn is_drawn(&self) -> bool {
+        self.points.iter().any(|[x, y]| x.is_finite() && !y.is_nan())
+    }
 }
 
 /// Marked position on the horizontal axis, drawn as a thin vertical line.
@@ -48,13 +55,17 @@ pub struct GrowthPanel {
     pub reference_lines: Vec<LabelledCurve>,
     /// Marked positions, e.g. characteristic directions.
     pub marks: Vec<AxisMark>,
+    /// Whether the points of the curves are measured values, which are marked by discs.
+    pub is_measured: bool,
 }
 
 /// Growth rates against the direction and against the wave number, in two panels side by side, in a narrow figure one
 /// below the other.
 ///
-/// The vertical axes are symmetric logarithmic, that is linear near zero and logarithmic at larger magnitudes, so that
-/// growth and decay over many decades are visible.
+/// A vertical axis is logarithmic if all its values have the same sign and the largest is at least twice the
+/// smallest. Otherwise it is
+/// symmetric logarithmic, that is linear near zero and logarithmic at larger magnitudes, so that growth and decay over
+/// many decades are visible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowthFigure {
     /// Title of the figure.
@@ -98,12 +109,17 @@ impl LineStyle {
         Self { colour, dashes, width }
     }
 
-    /// Returns the style of the line with this index in the legend. Beyond eight lines, colours are combined with other
-    /// dash patterns and widths.
+    /// Returns the style of the line with this index in the legend. Beyond eight lines, all colours but black are combined
+    /// with other dash patterns and widths.
     pub fn from_index(index: usize) -> Self {
         let count = LINE_STYLES.len();
-        let other = LINE_STYLES[(index + index / count) % count];
-        Self { colour: LINE_STYLES[index % count].colour, ..other }
+        if index < count {
+            return LINE_STYLES[index];
+        }
+        let (round, colour) =
+            ((index - count) / (count - 1) + 1, (index - count) % (count - 1) + 1);
+        let other = LINE_STYLES[(colour + round) % count];
+        Self { colour: LINE_STYLES[colour].colour, ..other }
     }
 
     pub fn draw(&self, picture: &mut Picture, points: &[Point]) {
@@ -121,6 +137,8 @@ impl LineStyle {
 pub(crate) const LINEAR_RANGE_COLOUR: Colour = RGBColor(240, 240, 236);
 pub(crate) const GRID_COLOUR: Colour = RGBColor(226, 226, 226);
 pub(crate) const LINE_WIDTH: f64 = 3.4;
+/// Radius of the discs of measured points, pixels.
+const MEASURED_POINT_RADIUS: f64 = 6.5;
 /// Font size of the labels above marks, pixels.
 const MARK_LABEL_SIZE: f64 = 22.0;
 const MARK_ROW_HEIGHT: f64 = 1.35 * MARK_LABEL_SIZE;
@@ -136,11 +154,11 @@ impl GrowthFigure {
     }
 
     fn to_picture(&self) -> Picture {
-        let legend = Legend::new(self.legend_entries(), page::width() - 2.0 * MARGIN);
         let scales = [
             GrowthScales::from_panel(&self.by_direction),
             GrowthScales::from_panel(&self.by_wave_number),
         ];
+        let legend = Legend::new(self.legend_entries(&scales), page::width() - 2.0 * MARGIN);
 
         let heading = page::heading_bottom(&self.title, &self.subtitle);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
@@ -190,10 +208,11 @@ impl GrowthFigure {
         picture
     }
 
-    /// Returns the labels of all lines, in the order of their first occurrence.
+    /// Returns the labels of all lines that are drawn, in the order of their first occurrence.
     fn distinct_labels(&self) -> Vec<&str> {
         let mut labels: Vec<&str> = Vec::new();
-        for line in self.by_direction.curves.iter().chain(&self.by_wave_number.curves) {
+        let curves = self.by_direction.curves.iter().chain(&self.by_wave_number.curves);
+        for line in curves.filter(|curve| curve.is_drawn()) {
             if !labels.contains(&line.label.as_str()) {
                 labels.push(&line.label);
             }
@@ -201,8 +220,26 @@ impl GrowthFigure {
         labels
     }
 
-    fn legend_entries(&self) -> Vec<LegendEntry> {
-        let mut entries = build_line_entries(&self.distinct_labels());
+    fn legend_entries(&self, scales: &[GrowthScales; 2]) -> Vec<LegendEntry> {
+        let panels = [&self.by_direction, &self.by_wave_number];
+        let labels = self.distinct_labels();
+        let lines = build_line_entries(&labels).into_iter().enumerate();
+        let mut entries: Vec<LegendEntry> = lines
+            .map(|(index, (label, line))| {
+                let is_measured = panels.iter().any(|panel| {
+                    panel.is_measured && panel.curves.iter().any(|curve| curve.label == label)
+                });
+                let swatch = move |picture: &mut Picture, area: Rectangle| {
+                    line(picture, area);
+                    if is_measured {
+                        let place =
+                            [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
+                        draw_measured_point(picture, place, LineStyle::from_index(index).colour);
+                    }
+                };
+                (label, Box::new(swatch) as Swatch)
+            })
+            .collect();
         let guides =
             self.by_direction.reference_lines.iter().chain(&self.by_wave_number.reference_lines);
         if let Some(guide) = guides.into_iter().next() {
@@ -220,7 +257,9 @@ impl GrowthFigure {
             picture.fill_rectangle(area, LINEAR_RANGE_COLOUR);
             picture.draw_frame(area, 1.5, PALE_INK);
         };
-        entries.push(("linear scale about 0".to_owned(), Box::new(swatch)));
+        if scales.iter().any(|scales| !scales.is_y_log) {
+            entries.push(("linear scale about 0".to_owned(), Box::new(swatch)));
+        }
         entries
     }
 
@@ -241,18 +280,21 @@ impl GrowthFigure {
             .into_iter()
             .map(|(y, label)| (scales.y_position(y, frame), label))
             .collect();
-        let [below, above] = [-1.0_f64, 1.0]
-            .map(|place| scales.y_position(place.clamp(scales.y_low, scales.y_high), frame));
-        picture
-            .fill_rectangle(Rectangle { top: above, bottom: below, ..frame }, LINEAR_RANGE_COLOUR);
+        if !scales.is_y_log {
+            let [bottom, top] = [-1.0_f64, 1.0]
+                .map(|place| scales.y_position(place.clamp(scales.y_low, scales.y_high), frame));
+            picture.fill_rectangle(Rectangle { top, bottom, ..frame }, LINEAR_RANGE_COLOUR);
+        }
         for (x, _) in placed_x.iter().filter(|(_, label)| !label.is_empty()) {
             picture.draw_line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID_COLOUR);
         }
         for (y, _) in placed_y.iter().filter(|(_, label)| !label.is_empty()) {
             picture.draw_line([[frame.left, *y], [frame.right, *y]], 1.2, GRID_COLOUR);
         }
-        let zero = scales.y_position(0.0, frame);
-        picture.draw_line([[frame.left, zero], [frame.right, zero]], 3.4, RGBColor(110, 110, 110));
+        if !scales.is_y_log {
+            let y = scales.y_position(0.0, frame);
+            picture.draw_line([[frame.left, y], [frame.right, y]], 3.4, RGBColor(110, 110, 110));
+        }
 
         draw_marks(picture, frame, marks);
 
@@ -279,18 +321,34 @@ impl GrowthFigure {
             }
         }
         let labels = self.distinct_labels();
-        for line in &panel.curves {
+        let style = |line: &LabelledCurve| {
             let index = labels.iter().position(|label| *label == line.label).unwrap_or(0);
-            let style = LineStyle::from_index(index);
+            LineStyle::from_index(index)
+        };
+        for line in &panel.curves {
             let points = places(line, lowest, highest);
             for part in clip_polyline(&points, frame) {
-                style.draw(picture, &part);
+                style(line).draw(picture, &part);
             }
         }
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
+        for line in panel.curves.iter().filter(|_| panel.is_measured) {
+            let colour = style(line).colour;
+            let inside = |at: &&Point| !clip_polyline(&[**at, **at], frame).is_empty();
+            for place in places(line, lowest, highest).iter().filter(inside) {
+                draw_measured_point(picture, *place, colour);
+            }
+        }
         page::draw_bottom_axis(picture, frame, &placed_x, &panel.x_label);
         page::draw_left_axis(picture, frame, &placed_y, &panel.y_label);
     }
+}
+
+/// Draws the disc of a measured point, with a white rim.
+fn draw_measured_point(picture: &mut Picture, place: Point, colour: Colour) {
+    picture.mark_point(place, MEASURED_POINT_RADIUS);
+    picture.fill_disc(place, MEASURED_POINT_RADIUS + 1.5, WHITE);
+    picture.fill_disc(place, MEASURED_POINT_RADIUS, colour);
 }
 
 /// Draws the lines and labels of marks.
@@ -329,6 +387,8 @@ struct GrowthScales {
     x_low: f64,
     x_high: f64,
     y_scale: SymmetricLog,
+    /// Whether the vertical range is in the logarithmic part of the scale, on one side of zero.
+    is_y_log: bool,
     y_low: f64,
     y_high: f64,
 }
@@ -354,11 +414,28 @@ impl GrowthScales {
             (x_low, x_high) = (x_low - half, x_high + half);
         }
 
+        if panel.is_x_log {
+            // An end just short of a power of ten is extended to it, where there is a tick.
+            let slack = 0.02 * (x_high - x_low);
+            let extend =
+                |end: f64, whole: f64| if (whole - end).abs() <= slack { whole } else { end };
+            (x_low, x_high) = (extend(x_low, x_low.floor()), extend(x_high, x_high.ceil()));
+        }
+
         let growth = || points().map(|point| point[1]).filter(|growth| growth.abs() < FINITE_LIMIT);
         let decades =
             if panel.is_x_log { WAVE_NUMBER_DECADES } else { SymmetricLog::DEFAULT_DECADES };
-        let y_scale = SymmetricLog::from_values_with_decades(growth(), decades);
-        let (mut y_low, mut y_high) = (0.0_f64, 0.0_f64);
+        let sizes = growth().map(f64::abs);
+        let (least, greatest) =
+            sizes.fold((f64::INFINITY, 0.0_f64), |(a, b), size| (a.min(size), b.max(size)));
+        let is_one_sign = growth().all(|own| own > 0.0) || growth().all(|own| own < 0.0);
+        let is_y_log = is_one_sign && greatest >= 2.0 * least;
+        let y_scale = match is_y_log {
+            true => SymmetricLog { threshold_exponent: least.log10().floor() as i32 - 1 },
+            false => SymmetricLog::from_values_with_decades(growth(), decades),
+        };
+        let (mut y_low, mut y_high) =
+            if is_y_log { (f64::INFINITY, f64::NEG_INFINITY) } else { (0.0_f64, 0.0_f64) };
         for place in growth().map(|growth| y_scale.to_position(growth)) {
             (y_low, y_high) = (y_low.min(place), y_high.max(place));
         }
@@ -367,7 +444,7 @@ impl GrowthScales {
         }
         // Margins at both ends; infinite values are drawn in them.
         let margin = 0.05 * (y_high - y_low);
-        Self { x_low, x_high, y_scale, y_low: y_low - margin, y_high: y_high + margin }
+        Self { x_low, x_high, y_scale, is_y_log, y_low: y_low - margin, y_high: y_high + margin }
     }
 
     fn x_position(&self, x: f64, frame: Rectangle) -> f64 {
@@ -387,6 +464,21 @@ impl GrowthScales {
     }
 
     fn y_ticks(&self, length: f64) -> Vec<Tick> {
+        if self.is_y_log {
+            // Positions differ from logarithms by a constant.
+            let offset = 1.0 - f64::from(self.y_scale.threshold_exponent);
+            let is_negative = self.y_high < 0.0;
+            let (low, high) =
+                if is_negative { (-self.y_high, -self.y_low) } else { (self.y_low, self.y_high) };
+            let ticks = scale::log_ticks(low - offset, high - offset, (length / 48.0) as usize);
+            return ticks
+                .into_iter()
+                .map(|(log, label)| match is_negative {
+                    true => (-(log + offset), format!("−{label}")),
+                    false => (log + offset, label),
+                })
+                .collect();
+        }
         let ticks = self.y_scale.ticks(self.y_low, self.y_high, (length / 48.0) as usize);
         ticks.into_iter().filter(|(place, _)| (self.y_low..=self.y_high).contains(place)).collect()
     }
@@ -473,6 +565,7 @@ mod tests {
                 points: points.to_vec(),
             }],
             marks: marks.iter().map(|&x| AxisMark { label: format!("θ = {x}°"), x }).collect(),
+            is_measured: x_log,
         }
     }
 
@@ -546,13 +639,52 @@ mod tests {
     }
 
     #[test]
+    fn values_of_one_sign_have_a_logarithmic_axis() {
+        let scales = |values: [f64; 3]| {
+            let points = [[100.0, values[0]], [1e3, values[1]], [99_856.0, values[2]]];
+            GrowthScales::from_panel(&sample_panel(true, &points, &[]))
+        };
+        for sign in [1.0, -1.0] {
+            let of = scales([0.3, 2.0, 500.0].map(|size| sign * size));
+            assert!(of.is_y_log && sign * of.y_low > 0.0 && sign * of.y_high > 0.0);
+            // Equal ratios are equal distances, and ticks are at their values.
+            let place = |size: f64| of.y_scale.to_position(sign * size);
+            assert!((place(2.0) - place(0.2) - (place(500.0) - place(50.0))).abs() < 1e-12);
+            let ticks = of.y_ticks(600.0);
+            let label = if sign > 0.0 { "10²" } else { "−10²" };
+            let tick = ticks.iter().find(|(_, own)| own == label).unwrap();
+            assert!((tick.0 - place(100.0)).abs() < 1e-12);
+            // The horizontal axis ends at the power of ten next to the last point.
+            assert_eq!([of.x_low, of.x_high], [2.0, 5.0]);
+        }
+        assert!(!scales([0.0, 2.0, 500.0]).is_y_log);
+        assert!(!scales([-1.0, 2.0, 500.0]).is_y_log);
+        assert!(!scales([1.0, 1.2, 1.5]).is_y_log);
+    }
+
+    /// The legend explains the linear part only where there is one.
+    #[test]
+    fn legend_names_the_linear_part_of_axes_that_have_one() {
+        let texts = |points: &[[f64; 2]]| -> Vec<String> {
+            let picture = sample_figure(points, &[]).to_picture();
+            picture.texts().map(|text| text.content.clone()).collect()
+        };
+        let names = |texts: &[String]| texts.iter().any(|text| text.starts_with("linear scale"));
+        assert!(!names(&texts(&[[1.0, 1.0], [10.0, 30.0]])));
+        assert!(names(&texts(&[[1.0, -1.0], [10.0, 30.0]])));
+    }
+
+    #[test]
     fn lines_with_equal_labels_share_a_style() {
         let mut figure = sample_figure(&[[1.0, 1.0], [2.0, 3.0]], &[]);
         figure
             .by_wave_number
             .curves
-            .push(LabelledCurve { label: "other".to_owned(), points: vec![] });
+            .push(LabelledCurve { label: "other".to_owned(), points: vec![[1.0, 2.0]] });
         assert_eq!(figure.distinct_labels(), ["model", "other"]);
+        // Curves without points are not in the legend.
+        figure.by_wave_number.curves[1].points = vec![[1.0, f64::NAN]];
+        assert_eq!(figure.distinct_labels(), ["model"]);
         for count in [0, 1, 4, 9] {
             figure.by_direction.curves = (0..count)
                 .map(|index| LabelledCurve {

@@ -1,6 +1,7 @@
 //! Report on the dispersion relation of a solid.
 
 use super::format::{case_title, format_short};
+use super::parameters::with_parameters;
 use super::{DataFile, Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
@@ -142,14 +143,17 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
     });
     DispersionFigure {
         title: case_title(case),
-        subtitle: format!(
-            "{}, waves along {}°{}; solid: phase speed, dashed: group speed",
-            case.medium().title(),
-            format_short(wave.direction_deg),
-            match wave.elevation_deg {
-                0.0 => String::new(),
-                up => format!(", {}° above the plane", format_short(up)),
-            },
+        subtitle: with_parameters(
+            &format!(
+                "{}, waves along {}°{}; solid: phase speed, dashed: group speed",
+                case.medium().title(),
+                format_short(wave.direction_deg),
+                match wave.elevation_deg {
+                    0.0 => String::new(),
+                    up => format!(", {}° above the plane", format_short(up)),
+                },
+            ),
+            case,
         ),
         wave_number_label: "wave number k (1/m)".into(),
         frequency_label: "frequency ω (rad/s)".into(),

@@ -38,6 +38,7 @@ pub fn build_growth_figure() -> GrowthFigure {
             marks: [27.5, 57.5, 62.0, 152.5]
                 .map(|x| AxisMark { label: format!("characteristic {x}°"), x })
                 .to_vec(),
+            is_measured: false,
         },
         by_wave_number: GrowthPanel {
             x_label: "wave number k (1/m)".to_owned(),
@@ -55,6 +56,7 @@ pub fn build_growth_figure() -> GrowthFigure {
             ],
             reference_lines: vec![curve("0.3 k^(3/4)", &|k| 0.3 * k.powf(0.75), &numbers)],
             marks: vec![AxisMark { label: "1/d, grain size".to_owned(), x: 1e3 }],
+            is_measured: false,
         },
     }
 }

@@ -58,20 +58,29 @@ impl DispersionFigure {
         if self.has_growth() {
             left_axis = left_axis.max(axis(&growth, left_bottom - split - between));
         }
+        let axis_right = axis(&speed, bottom - right_top);
         let content_right = page::width() - MARGIN;
         let half = 0.5 * (content_right - MARGIN - 30.0);
+        // Panels beside each other have the same width, and hence the same ticks.
+        let [mut beside_left, mut beside_right] =
+            [&self.cutoffs, &self.speed_limits].map(|levels| level_labels_width(levels));
+        if !is_stacked {
+            let [left_width, right_width] = [left_axis + beside_left, axis_right + beside_right];
+            beside_left += (right_width - left_width).max(0.0);
+            beside_right += (left_width - right_width).max(0.0);
+        }
         let left_right = if is_stacked { content_right } else { MARGIN + half };
         let left = Rectangle {
             left: MARGIN + left_axis,
             top,
-            right: left_right - 16.0 - level_labels_width(&self.cutoffs),
+            right: left_right - 16.0 - beside_left,
             bottom: split,
         };
         let right_left = if is_stacked { MARGIN } else { MARGIN + half + 30.0 };
         let right = Rectangle {
-            left: right_left + axis(&speed, bottom - right_top),
+            left: right_left + axis_right,
             top: right_top,
-            right: content_right - 16.0 - level_labels_width(&self.speed_limits),
+            right: content_right - 16.0 - beside_right,
             bottom,
         };
         let lines =

@@ -1,6 +1,6 @@
 //! Placement of labels and branch numbers clear of lines.
 
-use super::number_discs::{NUMBER_DISC_RADIUS, number_disc_area};
+use super::number_discs::numbers_area;
 use crate::page::{self};
 use crate::picture::{Anchor, Point, Rectangle, Text, clip_polyline, polyline_length, text_width};
 
@@ -64,32 +64,39 @@ pub(super) fn place_text(
     best
 }
 
-/// Finds the position of a branch number on a line: inside the frame, clear of the areas `occupied` and, if possible,
-/// far from the points of other lines. `None` if there is no such position.
-pub(super) fn place_branch_number(
+/// Finds the position of the numbers of branches on their line: inside the frame, clear of the areas `occupied` and, if
+/// possible, far from the points of other lines and from the `discs` of other numbers. `None` if there is no such position.
+pub(super) fn place_branch_numbers(
+    numbers: &[usize],
     parts: &[Vec<Point>],
-    others: &[Point],
+    [others, discs]: [&[Point]; 2],
     frame: Rectangle,
     occupied: &[Rectangle],
 ) -> Option<Point> {
     const CLEAR_DISTANCE: f64 = 40.0;
-    let inside = |[x, y]: Point| {
-        let edge = NUMBER_DISC_RADIUS + 4.0;
-        x > frame.left + edge
-            && x < frame.right - edge
-            && y > frame.top + edge
-            && y < frame.bottom - edge
+    const DISC_DISTANCE: f64 = 110.0;
+    let inside = |place: Point| {
+        let area = numbers_area(place, numbers);
+        area.left > frame.left + 2.0
+            && area.right < frame.right - 2.0
+            && area.top > frame.top + 2.0
+            && area.bottom < frame.bottom - 2.0
     };
     let points = parts.iter().flat_map(|part| densify(part)).filter(|&point| inside(point));
     let free: Vec<Point> = points
-        .filter(|&point| !occupied.iter().any(|area| area.is_overlapping(&number_disc_area(point))))
+        .filter(|&point| {
+            let own = numbers_area(point, numbers);
+            !occupied.iter().any(|area| area.is_overlapping(&own))
+        })
         .collect();
     // Preferred position: two thirds of the width, where branches are usually separated.
     let preferred_x = frame.left + 0.66 * frame.width();
     let cost = |&[x, y]: &Point| {
         let near = |[a, b]: &Point| (a - x).hypot(b - y);
         let nearest = others.iter().map(near).fold(CLEAR_DISTANCE, f64::min);
+        let nearest_disc = discs.iter().map(near).fold(DISC_DISTANCE, f64::min);
         (CLEAR_DISTANCE - nearest) / CLEAR_DISTANCE
+            + 0.5 * (DISC_DISTANCE - nearest_disc) / DISC_DISTANCE
             + 0.25 * (x - preferred_x).abs() / frame.width().max(1.0)
     };
     free.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)))

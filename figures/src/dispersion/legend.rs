@@ -35,10 +35,10 @@ impl DispersionFigure {
         }
         let has_measured = self.branches.iter().any(|branch| !branch.measured_frequency.is_empty());
         if has_drawn_level(&self.cutoffs, self.is_frequency_log) {
-            line("cut-off frequency", CUTOFF_DASHES, LEVEL_LINE_WIDTH, PALE_INK);
+            line("cut-off frequency", CUTOFF_DASHES, LEVEL_LINE_WIDTH, INK);
         }
         if has_drawn_level(&self.speed_limits, false) {
-            line("limit of the speed", SPEED_LIMIT_DASHES, LEVEL_LINE_WIDTH, PALE_INK);
+            line("limit of the speed", SPEED_LIMIT_DASHES, LEVEL_LINE_WIDTH, INK);
         }
         if has_measured {
             let swatch = move |picture: &mut Picture, area: Rectangle| {

@@ -12,18 +12,33 @@ pub(crate) const DISAGREEMENT_COLOUR: Colour = plotters::style::RGBColor(205, 0,
 pub(crate) const NUMBER_DISC_RADIUS: f64 = 15.0;
 
 /// Draws a number on a disc, for lines and points that are explained in the legend.
-pub(crate) fn draw_number_disc(
+pub(crate) fn draw_number_disc(picture: &mut Picture, place: Point, number: usize, colour: Colour) {
+    draw_numbers(picture, place, &[number], colour);
+}
+
+/// Draws the numbers of coincident lines, `2, 8`, on a disc lengthened to a pill.
+pub(crate) fn draw_numbers(
     picture: &mut Picture,
     [x, y]: Point,
-    number: usize,
+    numbers: &[usize],
     colour: Colour,
 ) {
-    picture.fill_disc([x, y], NUMBER_DISC_RADIUS + 1.5, WHITE);
-    picture.fill_disc([x, y], NUMBER_DISC_RADIUS, colour);
-    picture.fill_disc([x, y], NUMBER_DISC_RADIUS - 2.5, WHITE);
-    let label_text = number.to_string();
-    let size = (20.0_f64)
-        .min(20.0 * 1.3 * NUMBER_DISC_RADIUS / text_width(&label_text, 20.0, true).max(1.0));
+    let half = numbers_half_length(numbers);
+    for (radius, colour) in [
+        (NUMBER_DISC_RADIUS + 1.5, WHITE),
+        (NUMBER_DISC_RADIUS, colour),
+        (NUMBER_DISC_RADIUS - 2.5, WHITE),
+    ] {
+        for sign in [-1.0, 1.0] {
+            picture.fill_disc([x + sign * half, y], radius, colour);
+        }
+        let [left, right] = [x - half, x + half];
+        picture
+            .fill_rectangle(Rectangle { left, right, top: y - radius, bottom: y + radius }, colour);
+    }
+    let label_text = join_numbers(numbers);
+    let room = 1.3 * NUMBER_DISC_RADIUS + 2.0 * half;
+    let size = (20.0_f64).min(20.0 * room / text_width(&label_text, 20.0, true).max(1.0));
     let text = Text::new([x, y + 0.36 * size], Anchor::Middle, size, label_text);
     picture.draw_text(Text { is_bold: true, ..text });
 }
@@ -51,8 +66,26 @@ pub(crate) fn draw_disagreement(picture: &mut Picture, [x, y]: Point) {
     }
 }
 
-/// Returns the bounding box of a tag.
-pub(crate) fn number_disc_area([x, y]: Point) -> Rectangle {
-    let half = NUMBER_DISC_RADIUS + 2.0;
-    Rectangle { left: x - half, top: y - half, right: x + half, bottom: y + half }
+fn join_numbers(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Returns half the distance between the centres of the round ends of a pill of numbers, pixels; 0 for one number.
+fn numbers_half_length(numbers: &[usize]) -> f64 {
+    match numbers {
+        [_] => 0.0,
+        _ => 0.5 * (text_width(&join_numbers(numbers), 20.0, true) - NUMBER_DISC_RADIUS).max(0.0),
+    }
+}
+
+/// Returns the bounding box of a disc with a number, also of one measured point.
+pub(crate) fn number_disc_area(place: Point) -> Rectangle {
+    numbers_area(place, &[1])
+}
+
+/// Returns the bounding box of the numbers of coincident lines.
+pub(super) fn numbers_area([x, y]: Point, numbers: &[usize]) -> Rectangle {
+    let height = NUMBER_DISC_RADIUS + 2.0;
+    let width = height + numbers_half_length(numbers);
+    Rectangle { left: x - width, top: y - height, right: x + width, bottom: y + height }
 }

@@ -4,9 +4,9 @@ use plotters::style::RGBColor;
 
 use super::axes::{AxisScale, ScaleKind};
 use super::figure::{FrequencyBand, ReferenceLevel};
-use super::labels::{LABEL_SIZE, densify, place_branch_number, place_text};
+use super::labels::{LABEL_SIZE, densify, place_branch_numbers, place_text};
 use super::number_discs::{
-    RING_RADIUS, draw_disagreement, draw_number_disc, draw_ring, number_disc_area,
+    RING_RADIUS, draw_disagreement, draw_numbers, draw_ring, number_disc_area, numbers_area,
 };
 use super::styles::{BAND_COLOUR, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH};
 use crate::directions::spread_heights;
@@ -95,11 +95,12 @@ impl DispersionPanel<'_> {
         let (solid, dashed) =
             (self.clip_lines(&self.solid_lines), self.clip_lines(&self.dashed_lines));
         self.draw_background(picture, &bands, &x_ticks, &y_ticks);
+        self.draw_lines(picture, &solid, &dashed);
+        // Above the lines, since a branch may run along the level of its cut-off or its limit.
         for (y, _) in &levels {
             let ends = [[frame.left, *y], [frame.right, *y]];
-            picture.draw_dashed_line(&ends, self.level_dashes, LEVEL_LINE_WIDTH, PALE_INK);
+            picture.draw_dashed_line(&ends, self.level_dashes, LEVEL_LINE_WIDTH, INK);
         }
-        self.draw_lines(picture, &solid, &dashed);
         picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
         draw_level_labels(picture, frame, levels);
         self.draw_labels(picture, &bands, &solid, &dashed);
@@ -212,22 +213,57 @@ impl DispersionPanel<'_> {
                 picture.draw_text(text);
             }
         }
-        for (branch, parts) in solid.iter().enumerate() {
-            // Points of the solid and dashed lines of all other branches, from which the branch number keeps its
-            // distance.
-            let others: Vec<Point> = [solid, dashed]
-                .into_iter()
-                .flat_map(|lines| lines.iter().enumerate())
-                .filter(|(other, _)| *other != branch)
-                .flat_map(|(_, parts)| parts.iter())
+        // The solid lines, then the dashed ones. A line that coincides with an earlier one has its number there; a dashed
+        // line that coincides with the solid line of its own branch needs none.
+        let all: Vec<(usize, &Vec<Vec<Point>>)> =
+            solid.iter().enumerate().chain(dashed.iter().enumerate()).collect();
+        let mut labelled: Vec<(&Vec<Vec<Point>>, Vec<usize>)> = Vec::new();
+        for (branch, parts) in all.iter().filter(|(_, parts)| !parts.is_empty()) {
+            match labelled.iter_mut().find(|(line, _)| is_coincident(line, parts)) {
+                Some((_, numbers)) if !numbers.contains(&(branch + 1)) => numbers.push(branch + 1),
+                Some(_) => {}
+                None => labelled.push((parts, vec![branch + 1])),
+            }
+        }
+        let mut discs: Vec<Point> = Vec::new();
+        for (parts, numbers) in &labelled {
+            // Points of all other lines, from which the numbers keep their distance.
+            let others: Vec<Point> = labelled
+                .iter()
+                .filter(|(line, _)| !std::ptr::eq(*line, *parts))
+                .flat_map(|(line, _)| line.iter())
                 .flat_map(|part| densify(part))
                 .collect();
-            if let Some(at) = place_branch_number(parts, &others, frame, &occupied) {
-                occupied.push(number_disc_area(at));
-                draw_number_disc(picture, at, branch + 1, self.styles[branch].colour);
+            let place = place_branch_numbers(numbers, parts, [&others, &discs], frame, &occupied);
+            if let Some(at) = place {
+                occupied.push(numbers_area(at, numbers));
+                discs.push(at);
+                draw_numbers(picture, at, numbers, self.styles[numbers[0] - 1].colour);
             }
         }
     }
+}
+
+/// Returns whether two lines run along each other within a pixel.
+fn is_coincident(one: &[Vec<Point>], other: &[Vec<Point>]) -> bool {
+    const TOLERANCE: f64 = 1.0;
+    let is_along = |a: &[Vec<Point>], b: &[Vec<Point>]| {
+        a.iter().flatten().all(|point| b.iter().any(|line| distance_to(line, *point) <= TOLERANCE))
+    };
+    is_along(one, other) && is_along(other, one)
+}
+
+/// Returns the distance of a point from a polyline.
+fn distance_to(line: &[Point], [x, y]: Point) -> f64 {
+    let distances = line.windows(2).map(|piece| {
+        let ([x0, y0], [x1, y1]) = (piece[0], piece[1]);
+        let (dx, dy) = (x1 - x0, y1 - y0);
+        let square = dx * dx + dy * dy;
+        let share = if square > 0.0 { ((x - x0) * dx + (y - y0) * dy) / square } else { 0.0 };
+        let share = share.clamp(0.0, 1.0);
+        (x - x0 - share * dx).hypot(y - y0 - share * dy)
+    });
+    distances.fold(f64::INFINITY, f64::min)
 }
 
 /// Distance of the labels of levels from the frame, which their leader lines bridge, pixels.

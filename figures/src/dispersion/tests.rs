@@ -132,3 +132,31 @@ fn neutral_branches_are_inside_the_frame() {
     figure.branches[1].frequency = vec![[0.1, 0.0], [10.0, 0.0]];
     assert!(lows(&figure).iter().all(|low| *low < 0.0), "{:?}", lows(&figure));
 }
+
+/// Branches that coincide share the disc of their numbers.
+#[test]
+fn coincident_branches_share_their_numbers() {
+    let mut figure = sample_figure(&[[0.0, 0.0], [1.0, 2.0], [2.0, 3.0]], &[], false);
+    for branch in &mut figure.branches {
+        branch.group_speed.clear();
+        branch.growth_rate.clear();
+        branch.measured_frequency.clear();
+        branch.disagreeing_frequency.clear();
+    }
+    figure.branches[1].frequency = vec![[0.0, 0.5], [1.0, 3.0], [2.0, 5.0]];
+    let picture = figure.to_picture();
+    let count = |text: &str| picture.texts().filter(|own| own.content == text).count();
+    // In both panels the pair and the single number; each number once in the legend.
+    assert_eq!([count("1, 3"), count("1"), count("2"), count("3")], [2, 1, 3, 1]);
+}
+
+/// Both panels have the same ticks of the wave number, although only one has labels of levels beside it.
+#[test]
+fn panels_beside_each_other_have_the_same_ticks() {
+    let mut figure = sample_figure(&[[0.0, 1200.0], [1.2, 1500.0]], &[1220.0], false);
+    figure.speed_limits.clear();
+    figure.branches[0].group_speed = vec![[0.0, 3.0], [1.2, 4.0]];
+    let picture = figure.to_picture();
+    let count = |text: &str| picture.texts().filter(|own| own.content == text).count();
+    assert_eq!((count("0.5"), count("1.0")), (2, 2));
+}

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::case::Case;
 use crate::report::format::{case_title, format_count, format_short};
+use crate::report::parameters::with_parameters;
 use crate::study::check::solid::{BandGapCheck, BranchCheck, MediumCheck, SolidCheck};
 use crate::study::dispersion::WaveVector;
 use agreement::solids::WaveResponse;
@@ -139,11 +140,14 @@ impl MediumCheck {
         let is_alike = self.is_isotropic() && self.solid.plastic_state.is_none() && are_several;
         DispersionFigure {
             title: case_title(case),
-            subtitle: format!(
-                "{}: curves from the analysis, rings from the solver{}{}",
-                self.medium_title,
-                if is_alike { ", all directions" } else { "" },
-                format_unmeasured_count(self.unmeasured_count()),
+            subtitle: with_parameters(
+                &format!(
+                    "{}: curves from the analysis, rings from the solver{}{}",
+                    self.medium_title,
+                    if is_alike { ", all directions" } else { "" },
+                    format_unmeasured_count(self.unmeasured_count()),
+                ),
+                case,
             ),
             wave_number_label: "wave number k (1/m)".into(),
             frequency_label: "angular frequency ω (rad/s)".into(),

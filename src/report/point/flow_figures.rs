@@ -2,7 +2,8 @@
 
 use crate::case::Case;
 use crate::report::ReportPicture;
-use crate::report::format::{case_title, format_order, format_short};
+use crate::report::format::{case_title, format_angle, format_short, format_superscript};
+use crate::report::parameters::with_parameters;
 use crate::study::point::{FlowAnalysis, FlowModelAnalysis, YieldingState};
 use figures::{
     AxisMark, Direction, DirectionKind, DirectionsFigure, GrowthFigure, GrowthPanel, LabelledCurve,
@@ -42,23 +43,24 @@ impl<'a> PlottedModel<'a> {
         })
     }
 
-    /// Returns the legend: name of the model, order of growth from the fit, and exact order of growth from the verdict.
+    /// Returns the legend: name of the model, growth of short waves from the verdict, and the slope of the curve from the
+    /// fit.
     fn format_legend(&self) -> String {
         let Self { model_title: title, yielding_state: state } = self;
         let exact = match (state.verdict, state.growth_order) {
-            (_, Some(order)) => format!("exact {}", format_order(order)),
+            (_, Some(order)) => format!("short waves grow as k{}", format_superscript(order)),
             ("ill-posed", None) => return format!("{title}: unbounded at all k (upper edge)"),
-            ("well-posed", None) => "exact: bounded".into(),
+            ("well-posed", None) => "growth bounded for all k".into(),
             (verdict, None) => verdict.into(),
         };
         match state.fitted_order {
             Some(fitted) => {
                 // Adding 0.0 removes the sign of a negative zero.
-                let order = (1e3 * fitted).round() / 1e3 + 0.0;
-                let order = format!("{order:.3}").replace('-', "−");
-                format!("{title}: fitted order {order}, {exact}")
+                let slope = (1e3 * fitted).round() / 1e3 + 0.0;
+                let slope = format!("{slope:.3}").replace('-', "−");
+                format!("{title}: {exact} (fitted exponent of |Re ς|: {slope})")
             }
-            None => format!("{title}: no order fitted, {exact}"),
+            None => format!("{title}: {exact}"),
         }
     }
 }
@@ -109,10 +111,13 @@ fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
     );
     GrowthFigure {
         title: case_title(case),
-        subtitle: format!(
-            "maximum Re ς over all roots; against the direction: k = {} 1/m, degenerate directions \
-             dashed; against k: worst direction at each k",
-            format_short(wave.wave_number),
+        subtitle: with_parameters(
+            &format!(
+                "maximum Re ς over all roots; against the direction: k = {} 1/m, degenerate \
+                 directions dashed; against k: worst direction at each k",
+                format_short(wave.wave_number),
+            ),
+            case,
         ),
         by_direction: GrowthPanel {
             x_label: "direction of the wave vector (°)".into(),
@@ -122,8 +127,9 @@ fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
             reference_lines: Vec::new(),
             marks: collect_degenerate_directions(models, 0.5)
                 .into_iter()
-                .map(|x| AxisMark { label: format!("{}°", format_short(x)), x })
+                .map(|x| AxisMark { label: format_angle(x), x })
                 .collect(),
+            is_measured: false,
         },
         by_wave_number: GrowthPanel {
             x_label: "wave number k (1/m)".into(),
@@ -137,9 +143,15 @@ fn create_growth_figure(case: &Case, models: &[PlottedModel]) -> GrowthFigure {
                     .collect()
             }),
             reference_lines: asymptotes.collect(),
-            marks: vec![AxisMark { label: "k".into(), x: wave.wave_number }],
+            marks: vec![mark_wave_number(wave.wave_number)],
+            is_measured: false,
         },
     }
+}
+
+/// Marks the wave number of the panel of directions, 1/m.
+pub(super) fn mark_wave_number(wave_number: f64) -> AxisMark {
+    AxisMark { label: format!("k = {} 1/m", format_short(wave_number)), x: wave_number }
 }
 
 /// Creates the polar figure of the growth rate against the direction of the wave vector. Characteristics are curves in
@@ -167,10 +179,13 @@ fn create_polar_figure(case: &Case, models: &[PlottedModel]) -> PolarFigure {
     }));
     PolarFigure {
         title: case_title(case),
-        subtitle: format!(
-            "maximum growth rate Re ς over all roots at k = {} 1/m; angle: wave vector, anticlockwise \
-             from x₁",
-            format_short(case.material.numbers.wave.wave_number)
+        subtitle: with_parameters(
+            &format!(
+                "maximum growth rate Re ς over all roots at k = {} 1/m; angle: wave vector, \
+                 anticlockwise from x₁",
+                format_short(case.material.numbers.wave.wave_number)
+            ),
+            case,
         ),
         symbol: "Re ς".into(),
         unit: "1/s".into(),
@@ -218,7 +233,7 @@ fn create_directions_figure(case: &Case, own: &PlottedModel) -> DirectionsFigure
     let kind = state.steady_type.map_or(String::new(), |kind| format!(", steady equations {kind}"));
     DirectionsFigure {
         title: case_title(case),
-        subtitle: format!("{title}: characteristic directions{kind}"),
+        subtitle: with_parameters(&format!("{title}: characteristic directions{kind}"), case),
         directions,
     }
 }

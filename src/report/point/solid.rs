@@ -1,16 +1,18 @@
 //! Text report and figure of the state of a solid.
 
+use super::flow_figures::mark_wave_number;
 use crate::case::{Case, ModelKind};
 use crate::report::ReportPicture;
 use crate::report::format::{
     VALIDITY_NOTE, case_title, format_normal as at, format_short, format_superscript,
 };
+use crate::report::parameters::with_parameters;
 use crate::setup::solid::wave_normal;
 use crate::study::SolidAnalysis;
 use crate::study::format::describe_evidence;
 use analysis::growth::Verdict;
 use analysis::solids::Hyperbolicity;
-use figures::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};
+use figures::{GrowthFigure, GrowthPanel, LabelledCurve};
 use models::common::elementary::Elementary;
 use models::solid::parameters::Theory;
 use num_complex::Complex64;
@@ -238,10 +240,13 @@ fn create_figure(case: &Case, found: &SolidAnalysis) -> GrowthFigure {
     };
     GrowthFigure {
         title: case_title(case),
-        subtitle: format!(
-            "{}: maximum Re ς over all roots; against the direction: k = {} 1/m{above}",
-            case.medium().title(),
-            format_short(wave.wave_number)
+        subtitle: with_parameters(
+            &format!(
+                "{}: maximum Re ς over all roots; against the direction: k = {} 1/m{above}",
+                case.medium().title(),
+                format_short(wave.wave_number)
+            ),
+            case,
         ),
         by_direction: GrowthPanel {
             x_label: match (found.dimensions, wave.elevation_deg) {
@@ -257,6 +262,7 @@ fn create_figure(case: &Case, found: &SolidAnalysis) -> GrowthFigure {
             }],
             reference_lines: Vec::new(),
             marks: Vec::new(),
+            is_measured: false,
         },
         by_wave_number: GrowthPanel {
             x_label: "wave number k (1/m)".into(),
@@ -264,7 +270,8 @@ fn create_figure(case: &Case, found: &SolidAnalysis) -> GrowthFigure {
             is_x_log: true,
             curves,
             reference_lines: guides,
-            marks: vec![AxisMark { label: "k".into(), x: wave.wave_number }],
+            marks: vec![mark_wave_number(wave.wave_number)],
+            is_measured: false,
         },
     }
 }
