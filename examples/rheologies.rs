@@ -20,6 +20,9 @@ const TIME: f64 = DIAMETER * 1.581_138_830_084_189_7;
 /// Number of inertial numbers from 10⁻⁴ to 10.
 const POINT_COUNT: usize = 101;
 
+/// Number of bisections of a step in which the curve ends, which give it as many further points.
+const BISECTION_COUNT: usize = 10;
+
 /// Growth coefficient in units of d² γ̇ against the inertial number; NaN where the case is well-posed or has no state.
 fn compute_curve(
     case: &str,
@@ -27,9 +30,8 @@ fn compute_curve(
     label: &str,
 ) -> Result<LabelledCurve, Box<dyn Error>> {
     let path = format!("cases/equations/{case}.toml");
-    let mut points = Vec::new();
-    for index in 0..POINT_COUNT {
-        let inertial = 10f64.powf(-4.0 + 5.0 * index as f64 / (POINT_COUNT - 1) as f64);
+    let compute_point = |exponent: f64| -> Result<[f64; 2], Box<dyn Error>> {
+        let inertial = 10f64.powf(exponent);
         let rate = inertial / TIME;
         let shear = format!("background.v1.d2={rate:?}");
         let case = wellposed::load(&path, settings.iter().copied().chain([shear.as_str()]))?;
@@ -40,9 +42,30 @@ fn compute_curve(
             },
             Err(_) => f64::NAN,
         };
-        points.push([inertial, growth / (DIAMETER * DIAMETER * rate)]);
+        Ok([inertial, growth / (DIAMETER * DIAMETER * rate)])
+    };
+    let exponents: Vec<f64> = (0..POINT_COUNT)
+        .map(|index| -4.0 + 5.0 * index as f64 / (POINT_COUNT - 1) as f64)
+        .collect();
+    let mut points =
+        exponents.iter().map(|&exponent| compute_point(exponent)).collect::<Result<Vec<_>, _>>()?;
+    let is_drawn = |point: &[f64; 2]| point[1].is_finite();
+    let drawn = points.iter().filter(|point| is_drawn(point)).count();
+    for index in 1..POINT_COUNT {
+        let [mut inside, mut outside] = [index - 1, index].map(|index| exponents[index]);
+        match [index - 1, index].map(|index| is_drawn(&points[index])) {
+            [true, false] => {}
+            [false, true] => (inside, outside) = (outside, inside),
+            _ => continue,
+        }
+        for _ in 0..BISECTION_COUNT {
+            let middle = 0.5 * (inside + outside);
+            let point = compute_point(middle)?;
+            *(if is_drawn(&point) { &mut inside } else { &mut outside }) = middle;
+            points.extend(is_drawn(&point).then_some(point));
+        }
     }
-    let drawn = points.iter().filter(|[_, growth]| growth.is_finite()).count();
+    points.sort_by(|one, other| one[0].total_cmp(&other[0]));
     let label = if drawn == 0 { format!("{label}: well-posed") } else { label.to_owned() };
     println!("{label}: ill-posed of order 2 at {drawn} of {POINT_COUNT} inertial numbers");
     Ok(LabelledCurve { label, points })

@@ -35,6 +35,9 @@ const POINT_COUNTS: [usize; 2] = [64, 128];
 /// Limit of the colour scale, 1/s: deviation of the shear rate from its mean of 5 1/s.
 const COLOUR_LIMIT: f64 = 0.3;
 
+/// Contour lines, 1/s, solid where the deviation is positive and dashed where it is negative, which shows its sign in grey.
+const CONTOUR_LEVELS: [f64; 4] = [-0.15, -0.05, 0.05, 0.15];
+
 /// Width and height, pixels, of the left part to which a panel of 1600 × 1100 pixels is cropped before it is halved.
 const CROP_SIZE: [usize; 2] = [1400, 1100];
 
@@ -63,7 +66,7 @@ fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage,
     let figure = FieldFigure {
         title: format!("{title} ({verdict}), {points} × {points} points"),
         subtitle: format!(
-            "t = {:.1} ms, in the box that moves with the mean flow",
+            "t = {:.1} ms, in the box that moves with the mean flow of {mean:.0} 1/s",
             1e3 * found.final_time
         ),
         x: axis('₁'),
@@ -71,18 +74,11 @@ fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage,
         columns: points,
         rows: points,
         values: values.iter().map(|value| value - mean).collect(),
-        label: "shear rate less its mean of 5 1/s (1/s)".to_owned(),
+        label: "deviation of the shear rate from its mean (1/s)".to_owned(),
         is_signed: true,
-        is_root_scaled: false,
-        limit: None,
         fixed_limit: Some(COLOUR_LIMIT),
-        contour_levels: Some(Vec::new()),
-        body: None,
-        material_indices: Vec::new(),
-        has_yielded: Vec::new(),
-        marks: Vec::new(),
-        line_sets: Vec::new(),
-        arrows: None,
+        contour_levels: Some(CONTOUR_LEVELS.to_vec()),
+        ..FieldFigure::default()
     };
     let bytes = figure.draw(FigureFormat::Png)?;
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;

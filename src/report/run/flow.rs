@@ -104,21 +104,13 @@ pub(super) fn create_figure(
         values,
         label,
         is_signed: picture.is_some(),
-        limit: None,
-        fixed_limit: None,
-        is_root_scaled: false,
         contour_levels: run.output.contour_levels.clone(),
-        body: None,
-        material_indices: Vec::new(),
-        has_yielded: Vec::new(),
-        line_sets: Vec::new(),
-        arrows: None,
         marks: run
             .receivers
             .iter()
             .map(|own| mark([own.position[0], own.position[1]], &own.name))
             .collect(),
-        loaded_lines: Vec::new(),
+        ..FieldFigure::default()
     }
 }
 
