@@ -127,6 +127,11 @@ pub(crate) fn wrap_text(
 /// Sets the numbers of a heading as in print: `1.250e-7 m²` as 1.25×10⁻⁷ m², `2 1/s` as 2 s⁻¹. A quantity with its value
 /// is kept on one line.
 fn typeset_heading(text: &str) -> String {
+    text.split("; ").map(typeset_list).collect::<Vec<_>>().join("; ")
+}
+
+/// Sets the numbers of a list whose parts are separated by commas.
+fn typeset_list(text: &str) -> String {
     const MAX_KEPT: usize = 30;
     let parts = text.split(", ").map(|part| {
         let words: Vec<String> = part.split(' ').map(typeset_number).collect();
