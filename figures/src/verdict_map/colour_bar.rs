@@ -9,6 +9,9 @@ use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, MARGIN, MIN_TEXT_SIZE,
 use crate::picture::{Anchor, INK, Picture, Rectangle, Text};
 use crate::scale::Tick;
 
+/// Word that says what the lines across the bar stand for.
+pub(super) const CONTOUR_WORD: &str = "contour";
+
 impl VerdictMap {
     /// Draws the bar beside the frame. Levels with a contour line in the map are marked across the bar; `has_line` says
     /// which of the ticks have one.
@@ -66,7 +69,7 @@ impl VerdictMap {
             let y = frame.bottom + 1.3 * TICK_LABEL_SIZE;
             picture.draw_line([[bar.left, y], [bar.right, y]], 1.6, INK);
             let at = [bar.right + 8.0, y + 0.36 * MIN_TEXT_SIZE];
-            picture.draw_text(Text::new(at, Anchor::Start, MIN_TEXT_SIZE, "contour"));
+            picture.draw_text(Text::new(at, Anchor::Start, MIN_TEXT_SIZE, CONTOUR_WORD));
         }
         let x = page::width() - MARGIN - 0.3 * AXIS_NAME_SIZE;
         page::draw_vertical_name(picture, x, [frame.top, frame.bottom], &self.level_label);

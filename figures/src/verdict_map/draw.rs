@@ -2,6 +2,7 @@
 
 use super::axes::AxisExtent;
 use super::boundaries::{Boundaries, draw_borders, draw_line_sets};
+use super::colour_bar::CONTOUR_WORD;
 use super::colour_map::{BAR_GAP, BAR_WIDTH};
 use super::curves::draw_curve;
 use super::figure::VerdictMap;
@@ -9,8 +10,10 @@ use super::hatching::category_fill;
 use super::levels::LevelRange;
 use crate::error::FigureError;
 use crate::format::FigureOutput;
-use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, Legend, MARGIN, TICK_LABEL_SIZE};
-use crate::picture::{INK, Picture, Point, Rectangle, clip_polyline};
+use crate::page::{
+    self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, Legend, MARGIN, MIN_TEXT_SIZE, TICK_LABEL_SIZE,
+};
+use crate::picture::{INK, Picture, Point, Rectangle, clip_polyline, text_width};
 use crate::scale::{self, Tick};
 
 /// Places of the parts of a map on the page, pixels.
@@ -69,11 +72,17 @@ impl VerdictMap {
             None => Vec::new(),
         };
         let y_ticks = y.ticks(&self.y, bottom - top, true);
+        // On a narrow page the name of the bar extends beside the word below it.
+        let word_width = if page::is_narrow() {
+            text_width(CONTOUR_WORD, MIN_TEXT_SIZE, false) - 12.0
+        } else {
+            TICK_LABEL_SIZE
+        };
         let bar_width = range.as_ref().map_or(0.0, |_| {
             BAR_GAP
                 + BAR_WIDTH
                 + 18.0
-                + page::max_label_width(&bar_ticks).max(TICK_LABEL_SIZE)
+                + page::max_label_width(&bar_ticks).max(word_width)
                 + 1.5 * AXIS_NAME_SIZE
         });
         let frame = Rectangle {
