@@ -42,7 +42,7 @@ const PROGRAM: CommandHelp = CommandHelp {
 };
 
 /// Help of all commands.
-const COMMANDS: [CommandHelp; 20] = [
+const COMMANDS: [CommandHelp; 21] = [
     CommandHelp {
         name: "map",
         examples: &[
@@ -110,6 +110,17 @@ const COMMANDS: [CommandHelp; 20] = [
         examples: &[
             ("wellposed shocks foam-collapse", "waves in foam behind a piston"),
             ("wellposed shocks sand-spall", "spall of sand at a free end"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "split",
+        examples: &[
+            (
+                "wellposed split lamb-3d --ranks 8",
+                "as mpirun -n 8 wellposed run lamb-3d cuts the grid",
+            ),
+            ("wellposed split lamb-2d --ranks 8 --set parallel.parts=[2,4]", "with other parts"),
         ],
         exit_codes: &[0, 2, 130],
     },

@@ -4,6 +4,7 @@
 mod allocator;
 mod help;
 mod manual;
+mod number_arguments;
 mod picture_arguments;
 mod usage;
 
@@ -13,6 +14,9 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use dynamics::decomposition::communicator::Communicator;
 use models::interface::continuum::OpeningLimit;
 use models::registry;
+use number_arguments::{
+    parse_cells_per_block, parse_rank_count, parse_seconds, parse_thread_count,
+};
 use picture_arguments::PictureArguments;
 use std::io::Write;
 use std::path::PathBuf;
@@ -105,6 +109,14 @@ enum Verb {
     },
     /// Compute plane waves in a granular or porous medium exactly: waves behind a piston, compaction shocks, spall
     Shocks {
+        #[command(flatten)]
+        arguments: CaseArguments,
+    },
+    /// Plan the parts of a grid for several processes: cells, memory and messages of each, picture
+    Split {
+        /// Number of processes ("ranks")
+        #[arg(long = "ranks", value_name = "N", value_parser = parse_rank_count)]
+        rank_count: u32,
         #[command(flatten)]
         arguments: CaseArguments,
     },
@@ -329,27 +341,6 @@ fn parse_yield_set(name: String) -> Result<YieldSetKind, String> {
     registry::find_yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
-fn parse_thread_count(text: &str) -> Result<u16, String> {
-    parse_count(text, 1024)
-}
-
-fn parse_cells_per_block(text: &str) -> Result<u16, String> {
-    parse_count(text, 1000)
-}
-
-/// Parses a whole number from 1 to `most`.
-fn parse_count(text: &str, most: u16) -> Result<u16, String> {
-    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
-    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
-}
-
-/// Parses the smallest wall time between two checkpoints, s, at least 0; with 0 a checkpoint is written after every
-/// batch of steps.
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
-    seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
-}
-
 impl From<CaseArguments> for Options {
     fn from(arguments: CaseArguments) -> Self {
         Self {
@@ -435,6 +426,7 @@ impl Verb {
             | Self::Diagram { arguments }
             | Self::Speeds { arguments }
             | Self::Shocks { arguments }
+            | Self::Split { arguments, .. }
             | Self::Run { arguments, .. }
             | Self::Check { arguments, .. } => arguments.format.into(),
             Self::Resume { format, .. }
@@ -499,6 +491,9 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         }
         Verb::Speeds { arguments } => cli::run_speeds(&arguments.into(), &mut stdout)?,
         Verb::Shocks { arguments } => cli::run_shocks(&arguments.into(), &mut stdout)?,
+        Verb::Split { rank_count, arguments } => {
+            cli::run_split(&arguments.into(), rank_count as usize, &mut stdout)?;
+        }
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };
             let settings = CheckpointSettings { interval: checkpoint_interval };

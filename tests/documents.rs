@@ -248,9 +248,19 @@ fn check_command(command: &str) {
     let is_placeholder =
         |word: &&str| ["CASE", "DIR", "KIND", "NAME", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
-    let takes_case =
-        ["map", "point", "dispersion", "diagram", "homogenise", "speeds", "shocks", "run", "check"]
-            .contains(verb);
+    let takes_case = [
+        "map",
+        "point",
+        "dispersion",
+        "diagram",
+        "homogenise",
+        "speeds",
+        "shocks",
+        "split",
+        "run",
+        "check",
+    ]
+    .contains(verb);
     let has_placeholder = rest.iter().any(|word| is_placeholder(&word.trim_matches(['[', ']'])));
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let out = scratch.path().join("out");
@@ -278,6 +288,7 @@ fn check_command(command: &str) {
         _ if takes_case && has_placeholder => {
             let case = match *verb {
                 "map" | "point" => case,
+                "split" => "cases/dynamics/lamb-2d.toml",
                 "run" => "cases/flow/decay.toml",
                 "diagram" => "cases/rheology/porous-plastic.toml",
                 "homogenise" => "cases/blocky/pulse-breaking.toml",

@@ -31,7 +31,7 @@ fn help_has_examples_and_exit_codes() {
         .map_while(|line| line.strip_prefix("  ")?.split(' ').next())
         .filter(|name| !name.is_empty() && *name != "help")
         .collect();
-    assert_eq!(names.len(), 19, "{help}");
+    assert_eq!(names.len(), 20, "{help}");
     let is_case = |word: &str| wellposed::case::find_bundled_case(word).is_some();
     for name in names {
         let (help, _) = run_with_exit_code(0, &here, &format!("{name} --help"));
@@ -41,8 +41,17 @@ fn help_has_examples_and_exit_codes() {
                 example.strip_prefix("wellposed ").unwrap_or_else(|| panic!("{example}"));
             run_with_exit_code(0, &here, &format!("{arguments} --help"));
             let words: Vec<&str> = arguments.split(' ').collect();
-            let takes_case =
-                ["map", "point", "dispersion", "diagram", "homogenise", "speeds", "shocks", "run"];
+            let takes_case = [
+                "map",
+                "point",
+                "dispersion",
+                "diagram",
+                "homogenise",
+                "speeds",
+                "shocks",
+                "split",
+                "run",
+            ];
             if takes_case.contains(&words[0]) {
                 assert!(is_case(words[1]), "{example}");
             }

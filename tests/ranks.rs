@@ -157,6 +157,8 @@ fn results_on_ranks_are_those_of_one_process() {
             let arguments = format!("run case.toml --out out{index} {options}");
             let (stdout, errors) = launcher.run_with_exit_code(0, &folder, ranks, &arguments);
             assert!(errors.is_empty(), "{errors:?}");
+            let (stdout, waiting) = stdout.split_once("\nwaiting for messages").expect("a table");
+            assert_eq!(waiting.lines().filter(|line| line.ends_with('%')).count(), ranks);
             let lines = stdout.replace(&format!("out{index}"), "one");
             let whole_lines = expected_output.lines().filter(|line| !line.contains("picture"));
             assert!(lines.lines().filter(|line| !line.contains("picture")).eq(whole_lines));
@@ -209,6 +211,12 @@ fn wrong_set_ups_end_with_one_message() {
             "run case.toml --set grid.cells=[6,6] --set load=[] --set receiver=[]",
             "ranks for",
         );
+        check(
+            &launcher,
+            2,
+            "run case.toml --set parallel.parts=[3,1]",
+            "parallel.parts: 3 × 1 parts for 2 ranks; expected numbers that multiply to 2",
+        );
         // Another case or none at rank 1.
         fs::write(folder.join("other.toml"), solid_case().replace("1900", "1901")).unwrap();
         for (other, part) in
@@ -221,6 +229,29 @@ fn wrong_set_ups_end_with_one_message() {
             assert!(errors.len() == 1 && errors[0].contains(part), "{errors:?}");
         }
         assert!(!folder.join("out").exists());
+    }
+}
+
+/// Verifies that ranks have the parts that `split` plans, with and without given numbers of parts.
+#[test]
+fn ranks_have_the_planned_parts() {
+    let launchers = Launcher::find_all();
+    let Some(launcher) = launchers.first() else { return };
+    let text = solid_case().replace("duration = 0.15", "duration = 0.01");
+    for (name, setting) in [("least", ""), ("given", "--set parallel.parts=[1,4]")] {
+        let folder = create_case_folder(TEST_FOLDER, name, &text);
+        let arguments = format!("run case.toml --out out {WITHOUT_PICTURES} {setting}");
+        launcher.run_with_exit_code(0, &folder, 4, &arguments);
+        let arguments = format!("split case.toml --ranks 4 --format json --out plan {setting}");
+        let (plan, _) = run_with_exit_code(0, &folder, &arguments);
+        let plan: serde_json::Value = serde_json::from_str(&plan).unwrap();
+        let index = fs::read_to_string(folder.join("out/snapshot-00000000.pvti")).unwrap();
+        for row in plan["ranks"].as_array().unwrap() {
+            let end = |axis: usize, end: usize| row["cells"][axis][end].as_u64().unwrap();
+            let [[a, b], [c, d]] = [0, 1].map(|axis| [0, 1].map(|own| end(axis, own)));
+            let extent = format!("Extent=\"{a} {b} {c} {d} ");
+            assert!(index.contains(&extent), "{extent}\n{index}");
+        }
     }
 }
 

@@ -114,6 +114,8 @@ mod simulate;
 mod snapshots;
 #[path = "solids.rs"]
 mod solids;
+#[path = "split.rs"]
+mod split;
 #[path = "units.rs"]
 mod units;
 #[path = "verbs.rs"]

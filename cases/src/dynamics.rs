@@ -15,6 +15,7 @@ mod joint_checks;
 mod joint_keys;
 mod load;
 pub(crate) mod output;
+mod parallel;
 mod plane_pulse;
 mod profile;
 mod reader;
@@ -80,6 +81,7 @@ pub(crate) const SOLID_SCHEMAS: &[&TableSchema] = &[
     &stress::GRAVITY_SCHEMA,
     &output::RECEIVER_SCHEMA,
     &output::OUTPUT_SCHEMA,
+    &parallel::SCHEMA,
 ];
 
 /// Sections of a time-domain simulation of a solid.
@@ -111,6 +113,8 @@ pub struct SolidRun {
     pub receivers: Vec<ReceiverPoint<RecordedQuantity>>,
     /// Section `[output]`: ledger, snapshots and pictures.
     pub output: SolidOutput,
+    /// Section `[parallel]`: numbers of parts along the axes for several processes; `None` to leave them to the program.
+    pub part_counts: Option<Vec<usize>>,
     positions: KeyPositions,
 }
 
@@ -260,6 +264,7 @@ impl SolidRun {
             gravity,
             receivers: reader.read_receivers(root, &output.integrated_components)?,
             output,
+            part_counts: parallel::read_part_counts(root, &grid)?,
             grid: grid.clone(),
             positions: root.positions().clone(),
         })
@@ -281,7 +286,9 @@ impl SolidRun {
         text += &stress::to_toml(&self.initial_stress);
         text.extend(self.gravity.iter().map(Gravity::to_toml));
         text.extend(self.receivers.iter().map(ReceiverPoint::to_toml));
-        text + &self.output.to_toml()
+        text += &self.output.to_toml();
+        text.extend(self.part_counts.iter().map(|own| parallel::to_toml(own)));
+        text
     }
 
     /// Returns an error at a key of these sections, e.g. `load[0].amplitude`; list indices are counted from 0.

@@ -27,7 +27,7 @@ use super::write::{
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
 use crate::cli::options::{check_thread_start, create_thread_pool};
-use crate::cli::ranks::{RankRecorder, require_all_ranks};
+use crate::cli::ranks::{RankRecorder, WaitingClock, require_all_ranks};
 use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::{PictureOptions, RenderedReport};
 use crate::study::decide_solid_verdict;
@@ -171,20 +171,23 @@ pub(super) fn execute_run(
     let pool = pool?;
     let failed =
         |error| CommandError::from_run_error(error, &run.folder.path().display().to_string());
-    let result = match run.communicator.filter(|own| own.size() > 1) {
-        None => pool.install(|| job.execute(&mut recorder)).map_err(failed)?,
+    let (result, waiting) = match run.communicator.filter(|own| own.size() > 1) {
+        None => (pool.install(|| job.execute(&mut recorder)).map_err(failed)?, None),
         Some(communicator) => {
             let folder = run.folder.path();
             let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-            let mut recorder = RankRecorder::new(
+            let clock = WaitingClock::start(&**communicator);
+            let mut all = RankRecorder::new(
                 communicator,
                 (run.case, folder),
                 Some(&mut recorder),
                 is_resumed,
             );
-            let result = pool.install(|| job.execute(&mut recorder)).map_err(failed)?;
-            recorder.write_fields(&result.fields)?;
-            result
+            let result = pool.install(|| job.execute(&mut all)).map_err(failed)?;
+            all.write_fields(&result.fields)?;
+            let waiting = clock.collect(pool.current_num_threads());
+            recorder.run_files_mut().append_log(waiting.to_string().trim_end());
+            (result, Some(waiting))
         }
     };
     for warning in result.warnings() {
@@ -217,5 +220,8 @@ pub(super) fn execute_run(
         files.finish(section.transpose()?.as_ref())?;
     }
     print_report(&rendered, folder, pictures, format, stdout)?;
+    if let (OutputFormat::Text, Some(waiting)) = (format, waiting) {
+        write!(stdout, "\n{waiting}")?;
+    }
     result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))
 }

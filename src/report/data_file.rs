@@ -137,6 +137,8 @@ impl<'a> DataArray<'a> {
 pub fn column_unit(file: &str, column: &str) -> Option<&'static str> {
     // Names that have different units in different files.
     match (file, column) {
+        ("split.csv", "memory_bytes" | "bytes_per_step") => return Some("byte"),
+        ("split.csv", _) => return Some("1"),
         ("spall.csv", "distance") => return Some("m"),
         ("shocks.csv" | "fields.npz", "dissipation") => return Some("J/m3"),
         ("compare.csv", "sigma22" | "sigma12" | "rotation_rate") => return Some("1"),

@@ -16,6 +16,7 @@ pub mod point;
 pub mod run;
 pub mod shocks;
 pub mod speeds;
+mod split;
 mod symbols;
 
 use crate::Error;

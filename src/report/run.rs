@@ -17,6 +17,7 @@ pub use archive::{create_field_arrays, create_record_arrays, read_fields};
 pub use display::DisplayTime;
 pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
+pub(super) use polar::PolarRaster;
 pub use snapshot::{
     create_empty_image, create_image, create_image_piece, read_snapshot, snapshot_storage,
 };

@@ -200,6 +200,76 @@ pub(crate) fn convert_scheme(chosen: case::SchemeOptions) -> Scheme {
     }
 }
 
+/// Creates the solver problem of a case without gravity, initial stress and initial fields. `is_distributed`: whether
+/// several ranks hold the cells, of which none lists the media of all.
+pub(crate) fn create_problem<const D: usize>(
+    solid_run: &SolidRun,
+    media: Vec<Medium>,
+    steps: &TimeSteps,
+    is_distributed: bool,
+) -> Result<Problem<D>, Error> {
+    let cells: [usize; D] = std::array::from_fn(|axis| solid_run.grid.cells[axis]);
+    let mut spacing: [f64; D] = std::array::from_fn(|axis| solid_run.grid.spacing[axis]);
+    let metric = solid_run.grid.is_polar().then(|| {
+        spacing[0] = spacing[0].to_radians();
+        Metric::new_polar(solid_run.grid.origin[1], cells[1], [spacing[0], spacing[1]])
+    });
+    ranges::check_joints(solid_run, &media, steps.step)?;
+    let (of_cell, function) = match is_distributed {
+        false => (solid_run.compute_cell_media()?, None),
+        true => {
+            let medium = solid_run.medium_function();
+            // `check_media` checks all cells.
+            let medium = move |cell| medium(cell).unwrap_or_default();
+            (Vec::new(), Some(Arc::new(medium) as MediumFunction))
+        }
+    };
+    let scheme = convert_scheme(solid_run.scheme);
+    let converter = GridConverter { solid_run, first_medium: media[0].clone() };
+    let boundaries: [[Boundary; 2]; D] = {
+        let mut all = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+        for (axis, axis_boundaries) in all.iter_mut().enumerate() {
+            for (end, boundary) in axis_boundaries.iter_mut().enumerate() {
+                *boundary = converter.create_boundary(BoundaryFace { axis, is_upper: end == 1 })?;
+            }
+        }
+        all
+    };
+    let mut loads = Vec::new();
+    for (index, load) in solid_run.loads.iter().enumerate() {
+        loads.push(converter.create_load(index, load)?);
+    }
+    let mut sources = Vec::new();
+    for (index, source) in solid_run.sources.iter().enumerate() {
+        sources.extend(converter.create_sources(index, source)?);
+    }
+    let integrated = solid_run.output.integrated_components.iter();
+    Ok(Problem {
+        medium_function: function,
+        interlayers: converter.create_interlayers(steps.step)?,
+        loads,
+        sources,
+        integrated_fields: integrated.map(|component| component.0).collect(),
+        shear_interval: steps.shear_interval,
+        metric,
+        ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
+    })
+}
+
+/// Creates the problem of a case for a plan of its distribution over ranks, and checks that each cell is in one region.
+pub(crate) fn create_planned_problem<const D: usize>(
+    case: &Case,
+    solid_run: &SolidRun,
+    media: Vec<Medium>,
+) -> Result<Problem<D>, Error> {
+    ranges::check_constants(case, solid_run)?;
+    let steps = compute_time_steps(solid_run, &media)?;
+    let problem = create_problem::<D>(solid_run, media, &steps, true)?;
+    let whole = problem.grid.cells.map(|count| 0..count);
+    check_media(solid_run, &GridPart::new(&problem.grid.cells, &whole, None))?;
+    Ok(problem)
+}
+
 impl<const D: usize> SolidSetup<D> {
     /// Creates the problem, and the initial state of the cells of this process; `solver`: the solver of the problem, with
     /// the ranks among which it distributes the cells.
@@ -212,63 +282,13 @@ impl<const D: usize> SolidSetup<D> {
         ranges::check_constants(case, solid_run)?;
         let wave_range = ranges::WaveRange::new(solid_run, &media);
         ranges::check_amplitudes(&wave_range)?;
-        let cells: [usize; D] = std::array::from_fn(|axis| solid_run.grid.cells[axis]);
-        let mut spacing: [f64; D] = std::array::from_fn(|axis| solid_run.grid.spacing[axis]);
-        let metric = solid_run.grid.is_polar().then(|| {
-            spacing[0] = spacing[0].to_radians();
-            Metric::new_polar(solid_run.grid.origin[1], cells[1], [spacing[0], spacing[1]])
-        });
-        let steps = compute_time_steps(solid_run, &media)?;
-        ranges::check_joints(solid_run, &media, steps.step)?;
-        // Of several ranks none lists the media of all cells.
-        let communicator = solver.communicator().filter(|own| own.size() > 1);
-        let (of_cell, function) = match communicator {
-            None => (solid_run.compute_cell_media()?, None),
-            Some(_) => {
-                let medium = solid_run.medium_function();
-                // All ranks check their cells below.
-                let medium = move |cell| medium(cell).unwrap_or_default();
-                (Vec::new(), Some(Arc::new(medium) as MediumFunction))
-            }
-        };
-        let scheme = convert_scheme(solid_run.scheme);
         let converter = GridConverter { solid_run, first_medium: media[0].clone() };
-        let boundaries: [[Boundary; 2]; D] = {
-            let mut all = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-            for (axis, axis_boundaries) in all.iter_mut().enumerate() {
-                for (end, boundary) in axis_boundaries.iter_mut().enumerate() {
-                    *boundary =
-                        converter.create_boundary(BoundaryFace { axis, is_upper: end == 1 })?;
-                }
-            }
-            all
-        };
-        let mut loads = Vec::new();
-        for (index, load) in solid_run.loads.iter().enumerate() {
-            loads.push(converter.create_load(index, load)?);
-        }
-        let mut sources = Vec::new();
-        for (index, source) in solid_run.sources.iter().enumerate() {
-            sources.extend(converter.create_sources(index, source)?);
-        }
-        let mut problem = Problem {
-            medium_function: function,
-            interlayers: converter.create_interlayers(steps.step)?,
-            loads,
-            sources,
-            integrated_fields: solid_run
-                .output
-                .integrated_components
-                .iter()
-                .map(|component| component.0)
-                .collect(),
-            shear_interval: steps.shear_interval,
-            metric,
-            ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
-        };
+        let steps = compute_time_steps(solid_run, &media)?;
+        let communicator = solver.communicator().filter(|own| own.size() > 1);
+        let mut problem = create_problem::<D>(solid_run, media, &steps, communicator.is_some())?;
         let located = |error| locate_domain_error(solid_run, &error);
         let own_cells = solver.own_cells(&problem).map_err(located)?;
-        let part = GridPart::new(&cells, &own_cells, communicator.cloned());
+        let part = GridPart::new(&problem.grid.cells, &own_cells, communicator.cloned());
         if communicator.is_some() {
             check_media(solid_run, &part)?;
         }
@@ -287,7 +307,7 @@ impl<const D: usize> SolidSetup<D> {
 }
 
 /// Converts a solver error to an error of the case. The reader of case files normally reports the fault earlier.
-fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
+pub(crate) fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
         DomainError::ShearInterval(_) => "time.courant_of",
@@ -298,9 +318,17 @@ fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> CaseError {
         DomainError::OutOfMemory { .. } => "grid.cells",
         DomainError::Interlayers { .. } => "joint",
         DomainError::Contacts(_) => "scheme",
+        DomainError::PartCounts { .. } => "parallel.parts",
+        DomainError::RankCount { .. } if solid_run.part_counts.is_some() => "parallel.parts",
         _ => "grid",
     };
-    solid_run.key_error(key, error.to_string(), "docs/case-file.md describes solids in time")
+    let allowed = match error {
+        DomainError::PartCounts { ranks, .. } => {
+            &*format!("expected numbers that multiply to {ranks}")
+        }
+        _ => "docs/case-file.md describes solids in time",
+    };
+    solid_run.key_error(key, error.to_string(), allowed)
 }
 
 /// Checks that the initial stress is in the yield set of each cell, since otherwise the first step would apply the

@@ -14,6 +14,7 @@ mod plan;
 mod recorder;
 mod run_result;
 mod solid;
+mod split;
 mod stop;
 
 pub use super::available_memory::Bytes;
@@ -27,6 +28,7 @@ pub use run_result::{
     FieldQuantity, FinalLedger, OutputFields, RecordColumn, RecordTable, RunReceiver, RunRecords,
     RunResult, quantity_unit,
 };
+pub use split::{RankRow, SplitResult, plan_split};
 pub use stop::{IllPosedness, StopCause, StopReport};
 
 use super::ProgressCallback;

@@ -6,7 +6,9 @@
 
 use std::collections::{HashMap, VecDeque};
 use std::fmt::Debug;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Tag of the messages of operations that all ranks take part in; halos have lower ones.
 const COLLECTIVE_TAG: u16 = 32_767;
@@ -34,6 +36,11 @@ pub trait Communicator: Debug + Send + Sync {
 
     /// Waits until all messages have been sent; the last call before the program ends.
     fn finish(&self) {}
+
+    /// Returns the time for which threads of this rank have waited for messages so far, s.
+    fn waiting_time(&self) -> f64 {
+        0.0
+    }
 
     /// Returns whether this rank is the root.
     fn is_root(&self) -> bool {
@@ -110,6 +117,23 @@ pub struct ThreadRank {
     rank: usize,
     size: usize,
     mailboxes: Arc<Mailboxes>,
+    waiting_time: WaitingTime,
+}
+
+/// Time for which threads have waited for messages, ns.
+#[derive(Debug, Default)]
+pub(super) struct WaitingTime(AtomicU64);
+
+impl WaitingTime {
+    /// Adds the time since `start`.
+    pub(super) fn add_since(&self, start: Instant) {
+        self.0.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    /// Returns the time in s.
+    pub(super) fn as_seconds(&self) -> f64 {
+        Duration::from_nanos(self.0.load(Ordering::Relaxed)).as_secs_f64()
+    }
 }
 
 /// Messages that have been sent but not received.
@@ -142,7 +166,11 @@ impl ThreadRank {
     /// Creates the ranks of a run.
     pub fn create_all(size: usize) -> Vec<Self> {
         let mailboxes = Arc::new(Mailboxes::default());
-        (0..size).map(|rank| Self { rank, size, mailboxes: Arc::clone(&mailboxes) }).collect()
+        let rank = |rank| {
+            let mailboxes = Arc::clone(&mailboxes);
+            Self { rank, size, mailboxes, waiting_time: WaitingTime::default() }
+        };
+        (0..size).map(rank).collect()
     }
 }
 
@@ -170,7 +198,7 @@ impl Communicator for ThreadRank {
     }
 
     fn receive(&self, sender: usize, tag: u16, message: &mut [u8]) {
-        let key = (sender, self.rank, tag);
+        let (key, start) = ((sender, self.rank, tag), Instant::now());
         let mut state = self.mailboxes.lock();
         let received = loop {
             if let Some(received) = state.messages.get_mut(&key).and_then(VecDeque::pop_front) {
@@ -183,10 +211,15 @@ impl Communicator for ThreadRank {
             state = self.mailboxes.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         };
         drop(state);
+        self.waiting_time.add_since(start);
         if received.len() != message.len() {
             self.abort("a message has another length than its receiver expects");
         }
         message.copy_from_slice(&received);
+    }
+
+    fn waiting_time(&self) -> f64 {
+        self.waiting_time.as_seconds()
     }
 
     /// Ends the ranks by a panic in each.

@@ -13,6 +13,7 @@ mod messages;
 #[cfg(unix)]
 pub mod mpi;
 mod plan;
+mod rank_plan;
 mod ranks;
 mod records;
 mod state;
@@ -24,12 +25,13 @@ use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::Boundary;
 use crate::solid::domain::{Domain, SolverReal};
 use crate::solid::line::HALO;
-use crate::solid::problem::{DomainError, Grid, PassLimits, Problem};
+use crate::solid::problem::{DomainError, Problem};
 use crate::solid::region::Region;
 use crate::solid::snapshot::StatePart;
 use channels::{Channels, Disconnected};
 use communicator::Communicator;
 use models::solid::waves::SolidField;
+use plan::uniform_cuts;
 use ranks::{Owner, Ranks};
 use std::ops::Range;
 use std::sync::Arc;
@@ -37,6 +39,7 @@ use threads::{SystemThreads, run_concurrently};
 
 pub use crate::solid::snapshot::Snapshot;
 pub use plan::Decomposition;
+pub use rank_plan::{RankCounts, RankPart, RankPlan};
 pub use threads::ThreadStartError;
 #[doc(hidden)]
 pub use threads::ThreadStarter;
@@ -126,9 +129,10 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         count: usize,
     ) -> Result<Self, DomainError> {
         let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
-        let mut subdomain_counts = [1; D];
-        subdomain_counts[D - 1] = count;
-        Self::with_permuted_subdomains(problem, permutation, subdomain_counts, None)
+        let mut counts = [1; D];
+        counts[D - 1] = count;
+        let cuts = uniform_cuts(&permutation.permute_grid(&problem.grid), counts);
+        Self::with_permuted_cuts(problem, permutation, &cuts, None)
     }
 
     /// Creates a domain at rest, with `subdomain_counts` subdomains along each axis of the problem and with
@@ -142,47 +146,53 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
         let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
-        Self::with_permuted_subdomains(
-            problem,
-            permutation,
-            permutation.permute_axis_values(subdomain_counts),
-            None,
-        )
+        let counts = permutation.permute_axis_values(subdomain_counts);
+        let cuts = uniform_cuts(&permutation.permute_grid(&problem.grid), counts);
+        Self::with_permuted_cuts(problem, permutation, &cuts, None)
     }
 
-    /// Creates a domain at rest that is distributed over ranks, with `first_axis` swept first. Each rank gets a box of
-    /// cells with the least surface of all boxes together, and cuts it along the last axis into subdomains for at most
-    /// `threads` threads. All ranks must give the same arguments, and each builds only its own subdomains.
+    /// Creates a domain at rest that is distributed over ranks, with `first_axis` swept first, as [`RankPlan`] plans it
+    /// for at most `threads` threads of each rank.
     ///
     /// # Errors
-    /// See [`DomainError`]; [`DomainError::RankCount`] if the grid cannot be cut into so many parts.
+    /// See [`with_rank_plan`](Self::with_rank_plan) and [`RankPlan::new`].
     pub fn with_ranks(
         first_axis: usize,
         problem: &Problem<D>,
         communicator: Arc<dyn Communicator>,
         threads: usize,
     ) -> Result<Self, DomainError> {
-        let RankPlan { permutation, counts, threads, .. } =
-            RankPlan::new(first_axis, problem, &communicator, threads)?;
-        Self::with_permuted_subdomains(problem, permutation, counts, Some((communicator, threads)))
+        let counts = RankCounts { ranks: communicator.size(), threads, parts: None };
+        let plan = RankPlan::new(first_axis, problem, &counts, &*communicator)?;
+        Self::with_rank_plan(problem, plan, communicator)
     }
 
-    /// Creates a domain at rest, with `subdomain_counts` subdomains along each permuted axis; `ranks`: ranks that own
-    /// them, and number of those of each rank along the last axis.
-    fn with_permuted_subdomains(
+    /// Creates a domain at rest that is distributed over ranks by a plan. Each rank cuts its box along the last axis into
+    /// subdomains for its threads. All ranks must give the same arguments, and each builds only its own subdomains.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn with_rank_plan(
+        problem: &Problem<D>,
+        plan: RankPlan<D>,
+        communicator: Arc<dyn Communicator>,
+    ) -> Result<Self, DomainError> {
+        let RankPlan { permutation, cuts, threads, .. } = plan;
+        Self::with_permuted_cuts(problem, permutation, &cuts, Some((communicator, threads)))
+    }
+
+    /// Creates a domain at rest, with subdomains between `cuts` across each permuted axis; `ranks`: ranks that own them,
+    /// and number of those of each rank along the last axis.
+    fn with_permuted_cuts(
         problem: &Problem<D>,
         permutation: AxisPermutation<D>,
-        subdomain_counts: [usize; D],
+        cuts: &[Vec<usize>; D],
         ranks: Option<(Arc<dyn Communicator>, usize)>,
     ) -> Result<Self, DomainError> {
         let problem = &permutation.check_and_permute(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(is_periodic);
-        let plan = Decomposition::new(
-            &problem.grid,
-            is_periodic,
-            problem.pass_limits(),
-            subdomain_counts,
-        )?;
+        let plan =
+            Decomposition::with_cuts(&problem.grid, is_periodic, problem.pass_limits(), cuts)?;
         let (rank, threads) = match &ranks {
             Some((communicator, threads)) => (communicator.rank(), *threads),
             None => (0, plan.regions().len()),
@@ -329,47 +339,6 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let integrals =
             self.subdomains.first().map_or(0, |subdomain| subdomain.domain.integral_count());
         self.fields().len() + integrals
-    }
-}
-
-/// Distribution of the cells of a problem over ranks.
-pub(crate) struct RankPlan<const D: usize> {
-    permutation: AxisPermutation<D>,
-    grid: Grid<D>,
-    is_periodic: [bool; D],
-    limits: PassLimits,
-    /// Numbers of subdomains along the permuted axes.
-    counts: [usize; D],
-    /// Number of subdomains of each rank, side by side along the last axis.
-    threads: usize,
-}
-
-impl<const D: usize> RankPlan<D> {
-    /// Plans the distribution for [`DecomposedDomain::with_ranks`].
-    pub(crate) fn new(
-        first_axis: usize,
-        problem: &Problem<D>,
-        communicator: &Arc<dyn Communicator>,
-        threads: usize,
-    ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
-        let grid = permutation.permute_grid(&problem.grid);
-        let is_periodic =
-            permutation.permute_axis_values(problem.boundaries.each_ref().map(is_periodic));
-        let limits = problem.pass_limits();
-        let mut counts = plan::plan_rank_counts(&grid, is_periodic, limits, communicator.size())?;
-        let threads = threads.clamp(1, (grid.cells[D - 1] / counts[D - 1] / HALO).max(1));
-        counts[D - 1] *= threads;
-        Ok(Self { permutation, grid, is_periodic, limits, counts, threads })
-    }
-
-    /// Returns the cells of a rank along the axes of the problem.
-    pub(crate) fn own_cells(&self, rank: usize) -> Result<[Range<usize>; D], DomainError> {
-        let plan = Decomposition::new(&self.grid, self.is_periodic, self.limits, self.counts)?;
-        let regions = plan.regions().iter().enumerate();
-        let own = regions.filter(|(index, _)| plan.owner(*index, self.threads).rank == rank);
-        let cells = ranks::enclose_regions(own.map(|(_, region)| region));
-        Ok(self.permutation.unpermute_axis_values(cells))
     }
 }
 

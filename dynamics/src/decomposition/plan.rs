@@ -1,18 +1,16 @@
 //! Decomposition plan: subdomains of a grid and their neighbours.
 //!
-//! The numbers of subdomains along the axes are given. A process decomposes its cells along the last axis alone, with
+//! The positions of the cuts along the axes are given. A process decomposes its cells along the last axis alone, with
 //! one subdomain per thread: [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis). Several
-//! ranks decompose the grid along all axes: [`DecomposedDomain::with_ranks`](super::DecomposedDomain::with_ranks).
+//! ranks decompose the grid along all axes: [`RankPlan`](super::RankPlan).
 
 use super::ranks::Owner;
 use crate::solid::domain::max_pass_steps;
 use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Grid, PassLimits};
 use crate::solid::region::Region;
-use std::ops::Range;
 
-/// Decomposition of a grid into subdomains, with the number along each axis given; the numbers of cells of two
-/// subdomains along an axis differ by at most one.
+/// Decomposition of a grid into subdomains: a Cartesian array of boxes between cuts across each axis.
 ///
 /// Subdomains are numbered with the first axis fastest. The halo is [`HALO`] cells wide per step of a pass, plus
 /// [`PassLimits::first_axis_halo`] along the first axis. Edges and corners of the halo hold cells of diagonal
@@ -26,39 +24,50 @@ pub struct Decomposition<const D: usize> {
 }
 
 impl<const D: usize> Decomposition<D> {
-    /// Plans `subdomain_counts` subdomains along each axis of a grid; `is_periodic`: whether each axis is periodic;
-    /// `limits` of passes ([`Problem::pass_limits`](crate::solid::problem::Problem::pass_limits)).
+    /// Plans `subdomain_counts` subdomains along each axis of a grid, whose numbers of cells along an axis differ by at
+    /// most one; other arguments and errors as for [`with_cuts`](Self::with_cuts).
     ///
     /// # Errors
-    /// [`DomainError::SubdomainCount`] if the number of subdomains along an axis is zero, or if one of several
-    /// subdomains has fewer cells than the halo of its neighbour for one step.
+    /// See [`with_cuts`](Self::with_cuts).
     pub fn new(
         grid: &Grid<D>,
         is_periodic: [bool; D],
         limits: PassLimits,
         subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
-        let extra_halo = |axis: usize| if axis == 0 { limits.first_axis_halo } else { 0 };
-        let steps = max_pass_steps::<D>(grid.cells[D - 1] / subdomain_counts[D - 1].max(1));
-        let mut steps = steps.min(limits.max_steps);
-        for (axis, (&found, &cells)) in subdomain_counts.iter().zip(&grid.cells).enumerate() {
-            let cells_per_subdomain = cells / found.max(1);
-            if found == 0 || (found > 1 && cells_per_subdomain < HALO + extra_halo(axis)) {
-                return Err(DomainError::SubdomainCount {
-                    axis,
-                    actual: found,
-                    cells,
-                    min_cells: HALO + extra_halo(axis),
-                });
+        Self::with_cuts(grid, is_periodic, limits, &uniform_cuts(grid, subdomain_counts))
+    }
+
+    /// Plans the subdomains between `cuts` across each axis of a grid, both ends of the grid included; `is_periodic`:
+    /// whether each axis is periodic; `limits` of passes
+    /// ([`Problem::pass_limits`](crate::solid::problem::Problem::pass_limits)).
+    ///
+    /// # Errors
+    /// [`DomainError::SubdomainCount`] if the number of subdomains along an axis is zero, or if one of several
+    /// subdomains has fewer cells than the halo of its neighbour for one step.
+    pub fn with_cuts(
+        grid: &Grid<D>,
+        is_periodic: [bool; D],
+        limits: PassLimits,
+        cuts: &[Vec<usize>; D],
+    ) -> Result<Self, DomainError> {
+        let subdomain_counts = cuts.each_ref().map(|own| own.len().saturating_sub(1));
+        let narrowest = |axis: usize| {
+            let widths = cuts[axis].windows(2).map(|own| own[1] - own[0]);
+            widths.min().unwrap_or(grid.cells[axis])
+        };
+        let mut steps = max_pass_steps::<D>(narrowest(D - 1)).min(limits.max_steps);
+        for (axis, &found) in subdomain_counts.iter().enumerate() {
+            let min_cells = min_part_cells(axis, limits);
+            if found == 0 || (found > 1 && narrowest(axis) < min_cells) {
+                let cells = grid.cells[axis];
+                return Err(DomainError::SubdomainCount { axis, actual: found, cells, min_cells });
             }
             if found > 1 {
-                steps = steps.min(max_pass_steps::<D>(cells_per_subdomain - extra_halo(axis)));
+                let extra_halo = min_cells - HALO;
+                steps = steps.min(max_pass_steps::<D>(narrowest(axis) - extra_halo));
             }
         }
-        let owned_range = |axis: usize, index: usize| -> Range<usize> {
-            let (count, cells) = (subdomain_counts[axis], grid.cells[axis]);
-            index * cells / count..(index + 1) * cells / count
-        };
         let region = |subdomain: usize| {
             let position = subdomain_position(subdomain, &subdomain_counts);
             let halo = std::array::from_fn(|axis| {
@@ -70,7 +79,7 @@ impl<const D: usize> Decomposition<D> {
                     [position[axis] > 0, position[axis] + 1 < subdomain_counts[axis]];
                 has_neighbours.map(|has_neighbour| {
                     if has_neighbour || has_periodic_halo {
-                        steps * HALO + extra_halo(axis)
+                        steps * HALO + min_part_cells(axis, limits) - HALO
                     } else {
                         0
                     }
@@ -78,7 +87,9 @@ impl<const D: usize> Decomposition<D> {
             });
             Region::new(
                 grid.cells,
-                std::array::from_fn(|axis| owned_range(axis, position[axis])),
+                std::array::from_fn(|axis| {
+                    cuts[axis][position[axis]]..cuts[axis][position[axis] + 1]
+                }),
                 halo,
             )
         };
@@ -124,6 +135,51 @@ impl<const D: usize> Decomposition<D> {
     }
 }
 
+/// Returns the smallest number of cells along an axis of one of several parts: that of the halo of its neighbour for one
+/// step.
+pub(super) const fn min_part_cells(axis: usize, limits: PassLimits) -> usize {
+    HALO + if axis == 0 { limits.first_axis_halo } else { 0 }
+}
+
+/// Returns cuts between `counts` parts along each axis of a grid, whose numbers of cells along an axis differ by at most
+/// one.
+pub(super) fn uniform_cuts<const D: usize>(grid: &Grid<D>, counts: [usize; D]) -> [Vec<usize>; D] {
+    std::array::from_fn(|axis| {
+        let (count, cells) = (counts[axis], grid.cells[axis]);
+        (0..=count).map(|index| index * cells / count.max(1)).collect()
+    })
+}
+
+/// Returns cuts between `count` parts of nearly the same work across an axis; `work`: that of each layer of cells.
+/// A part has at least `min_cells` layers, of which there must be enough.
+pub(super) fn cut_by_work(work: &[u64], count: usize, min_cells: usize) -> Vec<usize> {
+    let mut sums: Vec<u128> = vec![0];
+    for own in work {
+        sums.push(sums[sums.len() - 1] + u128::from(*own));
+    }
+    let (count_of_all, total) = (count as u128, sums[work.len()]);
+    let nearest = |index: usize| {
+        // Both multiplied by the number of parts, so that the comparison is exact.
+        let wanted = index as u128 * total;
+        let above = sums.partition_point(|sum| sum * count_of_all < wanted);
+        let distance = |place: usize| (sums[place] * count_of_all).abs_diff(wanted);
+        match above.checked_sub(1) {
+            Some(below) if distance(below) < distance(above) => below,
+            _ => above,
+        }
+    };
+    let mut cuts: Vec<usize> = (0..=count).map(nearest).collect();
+    cuts[0] = 0;
+    for index in 1..=count {
+        cuts[index] = cuts[index].max(cuts[index - 1] + min_cells);
+    }
+    cuts[count] = work.len();
+    for index in (1..count).rev() {
+        cuts[index] = cuts[index].min(cuts[index + 1].saturating_sub(min_cells));
+    }
+    cuts
+}
+
 /// Returns the numbers of parts along the axes of a grid for `rank_count` ranks, with the least surface of all cuts
 /// together; of several such ones, that with fewest cuts along the first axes. Arguments as in [`Decomposition::new`].
 ///
@@ -135,10 +191,6 @@ pub(super) fn plan_rank_counts<const D: usize>(
     limits: PassLimits,
     rank_count: usize,
 ) -> Result<[usize; D], DomainError> {
-    let min_cells = |axis: usize| HALO + if axis == 0 { limits.first_axis_halo } else { 0 };
-    let fits = |counts: &[usize; D]| {
-        (0..D).all(|axis| counts[axis] == 1 || grid.cells[axis] / counts[axis] >= min_cells(axis))
-    };
     let cut_faces = |counts: &[usize; D]| -> usize {
         let cuts = |axis: usize| match counts[axis] {
             1 => 0,
@@ -164,9 +216,21 @@ pub(super) fn plan_rank_counts<const D: usize>(
         counts
     });
     with_last
-        .filter(fits)
+        .filter(|counts| fits(grid, limits, counts))
         .min_by_key(|counts| (cut_faces(counts), *counts))
         .ok_or(DomainError::RankCount { ranks: rank_count, cells: grid.count() })
+}
+
+/// Returns whether all of `counts` parts along the axes can have as many cells as the halos of their neighbours.
+pub(super) fn fits<const D: usize>(
+    grid: &Grid<D>,
+    limits: PassLimits,
+    counts: &[usize; D],
+) -> bool {
+    (0..D).all(|axis| {
+        let min_cells = min_part_cells(axis, limits);
+        counts[axis] == 1 || grid.cells[axis] / counts[axis] >= min_cells
+    })
 }
 
 /// Returns the position of a subdomain along each axis; `subdomain_counts`: numbers of subdomains along the
@@ -184,7 +248,7 @@ fn subdomain_position<const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Decomposition, plan_rank_counts};
+    use super::{Decomposition, cut_by_work, plan_rank_counts};
     use crate::decomposition::ranks::Owner;
     use crate::solid::problem::{DomainError, Grid, PassLimits};
 
@@ -219,6 +283,25 @@ mod tests {
             refused,
             Err(DomainError::SubdomainCount { axis: 1, actual: 3, cells: 9, min_cells: 4 })
         ));
+    }
+
+    #[test]
+    fn cuts_balance_the_work() {
+        assert_eq!(cut_by_work(&[1; 10], 4, 1), [0, 3, 5, 8, 10]);
+        // Half of the work is in the last third.
+        let work: Vec<u64> = (0..30).map(|layer| if layer < 20 { 1 } else { 2 }).collect();
+        assert_eq!(cut_by_work(&work, 2, 4), [0, 20, 30]);
+        assert_eq!(cut_by_work(&work, 4, 4), [0, 10, 20, 25, 30]);
+        // Parts have as many cells as halos need, although the work is in one layer.
+        let mut single = vec![1; 16];
+        for place in [0, 7, 15] {
+            single[place] = 1000;
+            assert_eq!(cut_by_work(&single, 4, 4), [0, 4, 8, 12, 16]);
+            let cuts = cut_by_work(&single, 3, 4);
+            assert!(cuts.windows(2).all(|own| own[1] >= own[0] + 4) && cuts[3] == 16, "{cuts:?}");
+            single[place] = 1;
+        }
+        assert_eq!(cut_by_work(&[0; 8], 2, 4), [0, 4, 8]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Choice of the solver of a solid, and the interface through which its simulation calls it.
 
 use crate::decomposition::communicator::Communicator;
-use crate::decomposition::{DecomposedDomain, RankPlan, ThreadStartError};
+use crate::decomposition::{DecomposedDomain, RankCounts, RankPlan, ThreadStartError};
 use crate::simd::Real;
 use crate::solid::domain::SolverReal;
 use crate::solid::ledger::{Energy, Ledger};
@@ -28,6 +28,8 @@ pub enum SolverChoice {
         communicator: Arc<dyn Communicator>,
         /// Maximum number of threads of each rank; the same for all.
         threads: usize,
+        /// Numbers of parts along the axes of the problem; `None` for those with the least surface.
+        parts: Option<Vec<usize>>,
     },
     /// Reference solver: single-threaded, many times slower, with a full ledger.
     Reference,
@@ -42,7 +44,7 @@ impl SolverChoice {
         match self {
             Self::Fused { threads } => (*threads)
                 .clamp(1, DecomposedDomain::<T, D>::max_subdomains(problem.first_axis(), problem)),
-            Self::Ranks { communicator, threads } => communicator.size() * threads,
+            Self::Ranks { communicator, threads, .. } => communicator.size() * threads,
             Self::Reference => 1,
         }
     }
@@ -64,8 +66,8 @@ impl SolverChoice {
         problem: &Problem<D>,
     ) -> Result<[Range<usize>; D], DomainError> {
         match self {
-            Self::Ranks { communicator, threads } => {
-                RankPlan::new(problem.first_axis(), problem, communicator, *threads)?
+            Self::Ranks { communicator, threads, parts } => {
+                plan_ranks(problem, &**communicator, (*threads, parts.as_ref()))?
                     .own_cells(communicator.rank())
             }
             _ => Ok(problem.grid.cells.map(|count| 0..count)),
@@ -82,12 +84,23 @@ impl SolverChoice {
             Self::Fused { .. } => {
                 Box::new(DecomposedDomain::<T, D>::with_first_axis(first, problem, thread_count)?)
             }
-            Self::Ranks { communicator, threads } => Box::new(
-                DecomposedDomain::<T, D>::with_ranks(first, problem, communicator, threads)?,
-            ),
+            Self::Ranks { communicator, threads, parts } => {
+                let plan = plan_ranks(problem, &*communicator, (threads, parts.as_ref()))?;
+                Box::new(DecomposedDomain::<T, D>::with_rank_plan(problem, plan, communicator)?)
+            }
             Self::Reference => Box::new(Reference::<T, D>::with_first_axis(first, problem)?),
         })
     }
+}
+
+/// Plans the distribution over all ranks of a communicator.
+fn plan_ranks<const D: usize>(
+    problem: &Problem<D>,
+    communicator: &dyn Communicator,
+    (threads, parts): (usize, Option<&Vec<usize>>),
+) -> Result<RankPlan<D>, DomainError> {
+    let counts = RankCounts { ranks: communicator.size(), threads, parts: parts.cloned() };
+    RankPlan::new(problem.first_axis(), problem, &counts, communicator)
 }
 
 /// Interface of both solvers, which have methods of the same names.

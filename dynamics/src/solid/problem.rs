@@ -395,6 +395,14 @@ pub enum DomainError {
         /// Number of cells of the grid.
         cells: usize,
     },
+    /// Numbers of parts along the axes that do not multiply to the number of ranks.
+    #[error("{} parts for {ranks} ranks", format_product(parts))]
+    PartCounts {
+        /// Numbers of parts along the axes of the problem.
+        parts: Vec<usize>,
+        /// Number of ranks.
+        ranks: usize,
+    },
     /// Another rank has no memory for its part of the domain.
     #[error("rank {rank} has no memory for its part: take fewer cells, or more ranks")]
     OtherRank {
@@ -424,4 +432,9 @@ pub enum DomainError {
     /// An axis (from 0) with a periodic boundary at one end only.
     #[error("both sides of axis {0} must be periodic, or neither")]
     Periodic(usize),
+}
+
+/// Formats factors of a product: `4 × 2`.
+fn format_product(factors: &[usize]) -> String {
+    factors.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ")
 }

@@ -22,6 +22,7 @@ mod passes;
 mod plane_waves;
 mod plastic;
 mod plastic_fronts;
+mod rank_plan;
 mod ranks;
 mod rayleigh;
 mod relaxation;

@@ -152,7 +152,8 @@ fn compare_ranks<T: SolverReal, const D: usize>(problem: &Problem<D>, sizes: &[u
     for (index, &size) in sizes.iter().enumerate() {
         let threads = 1 + index % 2;
         let results = run_ranks(size, |communicator| {
-            let choice = SolverChoice::Ranks { communicator: communicator.clone(), threads };
+            let choice =
+                SolverChoice::Ranks { communicator: communicator.clone(), threads, parts: None };
             let planned = choice.own_cells(problem).expect("room").to_vec();
             let domain = || {
                 let rank = Arc::clone(&communicator);
@@ -326,7 +327,7 @@ fn simulations_on_ranks_deliver_the_same_bits() {
             run(SolverChoice::Fused { threads: 1 }, None);
         for (size, interruptions) in [(2, None), (3, Some(2)), (4, Some(5))] {
             let found = run_ranks(size, |communicator| {
-                run(SolverChoice::Ranks { communicator, threads: 1 }, interruptions)
+                run(SolverChoice::Ranks { communicator, threads: 1, parts: None }, interruptions)
             });
             assert_eq!(found[0].0, tables, "{size} ranks");
             for (rank, found) in found.into_iter().enumerate() {

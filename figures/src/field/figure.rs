@@ -83,6 +83,8 @@ pub struct FieldFigure {
     /// Material index of each cell, in the order of `values`; lines are drawn between different materials. Empty for a
     /// single material.
     pub material_indices: Vec<u16>,
+    /// Legend of these lines; empty for "border between materials".
+    pub border_label: String,
     /// Whether each cell has yielded, in the order of `values`; yielded cells are dotted. Empty if none.
     pub has_yielded: Vec<bool>,
     /// Sets of lines, e.g. joints; later sets cover earlier ones.

@@ -166,7 +166,11 @@ impl FieldFigure {
                 let y = 0.5 * (area.top + area.bottom);
                 draw_borders(picture, vec![Rectangle { top: y, bottom: y, ..area }]);
             };
-            Some(build_entry("border between materials".to_owned(), swatch))
+            let label = match self.border_label.as_str() {
+                "" => "border between materials",
+                own => own,
+            };
+            Some(build_entry(label.to_owned(), swatch))
         } else if self.material_indices.iter().any(|material| *material != self.material_indices[0])
         {
             let label_text = "borders between materials not drawn: too many";

@@ -85,6 +85,21 @@ pub const SHOCKS_FILES: [&str; 9] = [
     "shocks.txt",
 ];
 
+/// Names of the files of `split`, in addition to the common files: the picture `split` in the plane, the others in space.
+pub const SPLIT_FILES: [&str; 11] = [
+    "split.png",
+    "split.svg",
+    "split-x1x2.png",
+    "split-x1x2.svg",
+    "split-x1x3.png",
+    "split-x1x3.svg",
+    "split-x2x3.png",
+    "split-x2x3.svg",
+    "split.csv",
+    "split.json",
+    "split.txt",
+];
+
 /// Names of the files of `check`, in addition to the common files; the last two only if a perturbation is refined.
 pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
@@ -291,6 +306,7 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
         .chain(DIAGRAM_FILES)
         .chain(SPEEDS_FILES)
         .chain(SHOCKS_FILES)
+        .chain(SPLIT_FILES)
         .chain(CHECK_FILES)
         .chain(COMPARISON_FILES)
         .chain(RUN_FILES);

@@ -6,8 +6,10 @@
 
 mod part_writer;
 mod recorder;
+mod waiting;
 
 pub(super) use recorder::RankRecorder;
+pub(super) use waiting::WaitingClock;
 
 use super::folder::{ResultFolder, UnfinishedRun};
 use super::options::{OutputFormat, create_thread_pool};
@@ -275,8 +277,11 @@ fn take_part(
     let (pool, case) = (pool?, case?);
     let job = create_job(&case)?;
     let mut recorder = RankRecorder::new(communicator, (&case, folder), None, is_resumed);
+    let clock = WaitingClock::start(&**communicator);
     let result = pool.install(|| job.execute(&mut recorder))?;
-    Ok(recorder.write_fields(&result.fields)?)
+    recorder.write_fields(&result.fields)?;
+    clock.collect(threads);
+    Ok(())
 }
 
 /// Waits until all ranks are ready to compute, or one of them is not.

@@ -27,11 +27,11 @@ impl Sample {
 }
 
 /// Raster of equal Cartesian cells over a polar grid.
-pub(super) struct PolarRaster {
-    pub(super) x: FieldAxis,
-    pub(super) y: FieldAxis,
-    pub(super) columns: usize,
-    pub(super) rows: usize,
+pub(in crate::report) struct PolarRaster {
+    pub(in crate::report) x: FieldAxis,
+    pub(in crate::report) y: FieldAxis,
+    pub(in crate::report) columns: usize,
+    pub(in crate::report) rows: usize,
     /// By raster cell, x fastest, the first row the lowest.
     samples: Vec<Sample>,
     outline: Vec<Vec<[f64; 2]>>,
@@ -39,7 +39,7 @@ pub(super) struct PolarRaster {
 
 impl PolarRaster {
     /// Creates the raster; `None` if the grid is rectangular.
-    pub(super) fn new(grid: &SolidGrid) -> Option<Self> {
+    pub(in crate::report) fn new(grid: &SolidGrid) -> Option<Self> {
         let [angles, [inner, outer]] = grid.polar_bounds?;
         let outline = compute_outline(grid, angles, [inner, outer]);
         let points = || outline.iter().flatten();
@@ -74,13 +74,13 @@ impl PolarRaster {
     }
 
     /// Interpolates the values of the cells of the grid.
-    pub(super) fn interpolate(&self, values: &[f64]) -> Vec<f64> {
+    pub(in crate::report) fn interpolate(&self, values: &[f64]) -> Vec<f64> {
         let value = |sample: &Sample| sample.cells.iter().map(|(cell, w)| w * values[*cell]).sum();
         self.samples.iter().map(value).collect()
     }
 
     /// Returns the values of the nearest cells of the grid; `outside` beyond the grid.
-    pub(super) fn nearest<V: Copy>(&self, values: &[V], outside: V) -> Vec<V> {
+    pub(in crate::report) fn nearest<V: Copy>(&self, values: &[V], outside: V) -> Vec<V> {
         let value = |sample: &Sample| match sample.is_outside {
             true => outside,
             false => values[sample.nearest()],
@@ -89,7 +89,7 @@ impl PolarRaster {
     }
 
     /// Returns the part of the raster that the grid fills.
-    pub(super) fn body(&self) -> FieldBody {
+    pub(in crate::report) fn body(&self) -> FieldBody {
         FieldBody {
             is_outside: self.samples.iter().map(|sample| sample.is_outside).collect(),
             outline: self.outline.clone(),

@@ -81,9 +81,9 @@ const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 /// Simulation of a solid, with its case and the media of its regions or blocks.
 pub(super) struct SolidJob<'a> {
-    case: &'a Case,
-    solid_run: &'a SolidRun,
-    media: Vec<Medium>,
+    pub(super) case: &'a Case,
+    pub(super) solid_run: &'a SolidRun,
+    pub(super) media: Vec<Medium>,
     /// Names of the output quantities of a cell in order: fields, then time integrals.
     quantity_names: Vec<String>,
 }
@@ -103,8 +103,13 @@ impl<'a> SolidJob<'a> {
     /// values, of joints, and of the copies of the fields for a checkpoint, for the results or for a snapshot, whichever
     /// is largest; plus all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger,
     /// since pictures are drawn when the solver has been dropped. Freed copies stay with the allocator, so that they
-    /// count in both cases. Of several ranks each has a part of all but the program and the boundaries.
-    fn estimate_memory(&self, keeps_snapshots: bool, rank_count: usize) -> Bytes {
+    /// count in both cases. Of several ranks each has a share of all but the program and the boundaries: `own_share` of the
+    /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
+    pub(super) fn estimate_memory(
+        &self,
+        keeps_snapshots: bool,
+        [own_share, stored_share]: [f64; 2],
+    ) -> Bytes {
         let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
         let wide = size_of::<f64>() as f64;
         let saved = (Medium::state_fields(&self.media).len() * self.number_size()) as f64;
@@ -130,9 +135,9 @@ impl<'a> SolidJob<'a> {
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
         let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
         let [solver, boundaries] = self.estimate_solver_memory();
-        // Of several ranks each has a part of the cells, and all have the values at boundaries.
-        let cells = grid.cell_count() as f64 / rank_count as f64;
-        let (solver, joints) = (solver / rank_count as f64, joints / rank_count as f64);
+        // All ranks have the values at boundaries.
+        let cells = own_share * grid.cell_count() as f64;
+        let (solver, joints) = (stored_share * solver, own_share * joints);
         Bytes(
             PROGRAM_MEMORY_BYTES
                 + boundaries
@@ -273,7 +278,7 @@ impl SimulationJob for SolidJob<'_> {
             step_limit: limit,
             shear_interval,
         };
-        let memory = self.estimate_memory(keeps_snapshots, rank_count);
+        let memory = self.estimate_memory(keeps_snapshots, [1.0 / rank_count as f64; 2]);
         let plan = SimulationPlan {
             problem_size: work,
             rank_count,
@@ -369,7 +374,8 @@ impl SolidJob<'_> {
         recorder: &mut dyn Recorder,
     ) -> Result<RunResult, Error> {
         let solid_run = self.solid_run;
-        let simulation = self.create_simulation::<T, D>(recorder.communicator())?;
+        let ranks = (recorder.communicator(), recorder.is_resumed());
+        let simulation = self.create_simulation::<T, D>(ranks)?;
         if let (false, Some(cell)) =
             (recorder.is_resumed(), simulation.first_cell_outside_yield_set())
         {
@@ -392,17 +398,22 @@ impl SolidJob<'_> {
         Ok(result)
     }
 
-    /// Creates the solver with the initial state of the case; with several ranks, its part of this one.
+    /// Creates the solver with the initial state of the case; with several ranks, its part of this one. A resumed run may
+    /// have another number of ranks than parts in the case.
     fn create_simulation<T: SolverReal, const D: usize>(
         &self,
-        communicator: Option<Arc<dyn Communicator>>,
+        (communicator, is_resumed): (Option<Arc<dyn Communicator>>, bool),
     ) -> Result<SolidSimulation<T, D>, Error> {
         let solid_run = self.solid_run;
         let threads = rayon::current_num_threads();
         let solver = match (solid_run.scheme.ledger_detail, communicator) {
             (LedgerDetail::TotalsAndDissipation, _) => SolverChoice::Reference,
             (LedgerDetail::Totals, Some(communicator)) if communicator.size() > 1 => {
-                SolverChoice::Ranks { communicator, threads }
+                let fits = |own: &Vec<usize>| {
+                    !is_resumed || own.iter().product::<usize>() == communicator.size()
+                };
+                let parts = solid_run.part_counts.clone().filter(fits);
+                SolverChoice::Ranks { communicator, threads, parts }
             }
             (LedgerDetail::Totals, _) => SolverChoice::Fused { threads },
         };

@@ -11,9 +11,8 @@
 mod launcher;
 mod library;
 
-use super::communicator::Communicator;
+use super::communicator::{Communicator, WaitingTime};
 use library::MpiLibrary;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 pub use launcher::Launcher;
@@ -34,8 +33,7 @@ pub struct MpiRank {
     library: MpiLibrary,
     rank: usize,
     size: usize,
-    /// Time for which threads have waited for messages, ns.
-    waiting_time: AtomicU64,
+    waiting_time: WaitingTime,
 }
 
 impl MpiRank {
@@ -53,18 +51,13 @@ impl MpiRank {
                 let library = library.name().to_owned();
                 Err(MpiError::OtherLauncher { library, launched, connected: size })
             }
-            _ => Ok(Self { library, rank, size, waiting_time: AtomicU64::new(0) }),
+            _ => Ok(Self { library, rank, size, waiting_time: WaitingTime::default() }),
         }
     }
 
     /// Returns the file of the library, and the first line of its description of itself.
     pub fn library_description(&self) -> String {
         format!("{} ({})", self.library.name(), self.library.version())
-    }
-
-    /// Returns the time for which threads of this rank have waited for messages, s.
-    pub fn waiting_time(&self) -> f64 {
-        Duration::from_nanos(self.waiting_time.load(Ordering::Relaxed)).as_secs_f64()
     }
 
     /// Ends all ranks after an error of the library.
@@ -115,7 +108,11 @@ impl Communicator for MpiRank {
         for part in whole.chunks_mut(MAX_TRANSFER_LENGTH).chain([rest]) {
             self.require(self.library.receive(sender, tag, part, create_pause()));
         }
-        self.waiting_time.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        self.waiting_time.add_since(start);
+    }
+
+    fn waiting_time(&self) -> f64 {
+        self.waiting_time.as_seconds()
     }
 
     fn abort(&self, cause: &str) -> ! {

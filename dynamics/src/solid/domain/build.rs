@@ -24,7 +24,7 @@ use std::ops::Range;
 
 impl<const D: usize> Layout<D> {
     /// Creates the layout of a region of a problem.
-    fn new<T: Real>(problem: &Problem<D>, region: &Region<D>) -> Self {
+    pub(super) fn new<T: Real>(problem: &Problem<D>, region: &Region<D>) -> Self {
         let cells = region.cells();
         let owned: [Range<usize>; D] = std::array::from_fn(|axis| {
             let [lower, upper] = region.halo(axis);
@@ -86,6 +86,28 @@ fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<R
     exchanged
 }
 
+/// Whether an axis is periodic without exchange of a halo.
+fn is_periodic_in_place<const D: usize>(
+    problem: &Problem<D>,
+    region: &Region<D>,
+    axis: usize,
+) -> bool {
+    problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
+}
+
+/// Selects the tile sizes of a region.
+pub(super) fn select_tile_sizes<T: SolverReal, const D: usize>(
+    problem: &Problem<D>,
+    layout: &Layout<D>,
+    region: &Region<D>,
+) -> TileSizes {
+    let row = layout.row_size() * size_of::<T::Lanes>();
+    match D {
+        3 => TileSizes::new_in_space(row, is_periodic_in_place(problem, region, 1)),
+        _ => TileSizes::PLANE_TILES,
+    }
+}
+
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Creates a subdomain at rest: the domain of `region`, from the problem restricted to that region
     /// ([`Problem::restrict_to`]), for passes of at most `max_pass_steps` steps.
@@ -117,10 +139,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let field_data = allocate_zeros(
             (layout.layers() * layout.rows + 2 * GHOSTS * CHUNK_SIZE) * layout.row_size(),
         )?;
-        let is_periodic = |axis: usize| {
-            problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
-        };
-        let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic(0));
+        let is_periodic = is_periodic_in_place(problem, region, 0);
+        let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic);
         let layers = region.coordinates(D - 1);
         let along_rows = (&*materials.waves[0], &materials.table);
         materials.row_constants = RowConstants::new(problem, along_rows, &patterns, &layers);
@@ -152,11 +172,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             cell_sources: problem.sources.iter().map(source).collect(),
             acceleration: problem.acceleration,
         };
-        let row = layout.row_size() * size_of::<T::Lanes>();
-        let tile_sizes = match D {
-            3 => TileSizes::new_in_space(row, is_periodic(1)),
-            _ => TileSizes::PLANE_TILES,
-        };
+        let tile_sizes = select_tile_sizes::<T, D>(problem, &layout, region);
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
         let interfaces = LaneInterlayers::new(problem, &layout, region, &materials);
         Ok(Self {

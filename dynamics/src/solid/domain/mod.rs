@@ -64,6 +64,7 @@ mod lane_laws;
 mod layout;
 mod material_table;
 mod materials;
+mod message_volume;
 mod output;
 mod plastic;
 mod plastic_cone;
@@ -82,6 +83,7 @@ pub(crate) use cell_mapping::CellMapping;
 pub(crate) use completion::{BOUNDARY_LAYER_CELLS, ClosingBoundaries};
 pub use halo::HaloExchange;
 pub use layout::memory_bytes;
+pub(crate) use message_volume::message_volumes;
 pub(crate) use schedule::max_pass_steps;
 pub use solver_real::SolverReal;
 
