@@ -430,7 +430,7 @@ fn commands_page_and_man_pages_are_complete() {
     let commands = help.split("Commands:\n").nth(1).expect("commands");
     let names = commands.lines().map_while(|line| line.strip_prefix("  ")?.split(' ').next());
     let names: Vec<&str> = names.filter(|name| *name != "help").collect();
-    assert_eq!(names.len(), 19, "{help}");
+    assert_eq!(names.len(), 20, "{help}");
     for name in names {
         assert!(page.contains(&format!("\n## `wellposed {name}`\n")), "{name}");
         let path = folder.path().join(format!("man1/wellposed-{name}.1"));

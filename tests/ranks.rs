@@ -64,6 +64,17 @@ impl Launcher {
 
     /// Creates a command that starts `ranks` processes of the program in a folder, with one thread each.
     fn create_command(&self, folder: &Path, ranks: usize, arguments: &str) -> Command {
+        self.create_command_of(PROGRAM_PATH, folder, ranks, arguments)
+    }
+
+    /// Creates a command that starts `ranks` processes of another program, as [`create_command`](Self::create_command).
+    fn create_command_of(
+        &self,
+        program: &str,
+        folder: &Path,
+        ranks: usize,
+        arguments: &str,
+    ) -> Command {
         let mut command = Command::new(&self.program);
         if self.is_open_mpi {
             command.args(["--allow-run-as-root", "--oversubscribe", "--bind-to", "none"]);
@@ -74,7 +85,7 @@ impl Launcher {
             command.env("WELLPOSED_MPI", library);
         }
         let count = ranks.to_string();
-        command.args(["-n", &count, PROGRAM_PATH]).args(arguments.split_whitespace());
+        command.args(["-n", &count, program]).args(arguments.split_whitespace());
         command.current_dir(folder).env("RAYON_NUM_THREADS", "1").stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
@@ -370,4 +381,34 @@ fn runs_whose_ranks_are_killed_at_any_moment_resume_with_the_same_results() {
             run_with_exit_code(0, &folder, "verify out");
         }
     }
+}
+
+/// Verifies that a run that one process refuses within a limit of its address space completes on four ranks with the same
+/// limit each, results included.
+#[test]
+#[ignore = "two gigabytes in four processes; part of .ci/long"]
+fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
+    use std::os::unix::fs::PermissionsExt;
+    let launchers = Launcher::find_all();
+    let Some(launcher) = launchers.first() else { return };
+    let load = "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = -1e6\n\
+                time = { kind = 'pulse', duration = 1e-3 }\n";
+    // 600 MB of fields, with all copies 1.9 GiB; two steps.
+    let text = SPACE_CASE.split("[yield]").next().expect("a model").replace("dimensions = 3\n", "")
+        + "[grid]\ncells = [2500, 2500]\nspacing = 0.5\n[time]\nduration = 1e-3\n"
+        + load;
+    let folder = create_case_folder(TEST_FOLDER, "memory", &text);
+    let limited = folder.join("limited");
+    let script = format!("#!/bin/sh\nulimit -v 1000000\nexec {PROGRAM_PATH} \"$@\"\n");
+    fs::write(&limited, script).unwrap();
+    fs::set_permissions(&limited, fs::Permissions::from_mode(0o755)).unwrap();
+    let arguments = format!("run case.toml --out out {WITHOUT_PICTURES}");
+    let mut single = Command::new(&limited);
+    single.args(arguments.split_whitespace()).current_dir(&folder).stderr(Stdio::piped());
+    let (_, errors) = check_output(2, wait_for_end(single.spawn().unwrap()), &arguments);
+    assert!(errors[0].contains("the limit of the address space"), "{errors:?}");
+    let limited = limited.to_str().expect("text");
+    let command = launcher.create_command_of(limited, &folder, 4, &arguments).spawn();
+    check_output(0, wait_for_end(command.unwrap()), &arguments);
+    run_with_exit_code(0, &folder, "verify out");
 }

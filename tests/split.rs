@@ -67,11 +67,11 @@ fn blocks_are_distributed_evenly() {
     let found = split("annulus", annulus, &["grid.cells=[100, 100]"], 25);
     assert!(found.ranks.iter().all(|row| row.neighbours >= 3));
     check(found, &[5, 5], 1.0);
-    // Four cubes side by side in space on 64 and on 64 + 4 ranks.
+    // Cubes in space on 64 ranks, and on 68, which 17 divides.
     let space = include_str!("data/program-space.toml");
-    let cells = ["grid.cells=[96, 96, 48]", "receiver=[]"];
-    check(split("cubes", space, &cells, 64), &[4, 4, 4], 1.0);
-    check(split("more", space, &cells, 68), &[17, 2, 2], 1.07);
+    check(split("cubes", space, &["grid.cells=[64, 64, 64]", "receiver=[]"], 64), &[4, 4, 4], 1.0);
+    let cells = ["grid.cells=[170, 60, 60]", "receiver=[]"];
+    check(split("more", space, &cells, 68), &[17, 2, 2], 1.0);
 }
 
 #[test]
