@@ -136,6 +136,9 @@ fn commands_of_the_page_repeat_its_results() {
                      --set grid.cells=[36,36] --set initial[0].to=8 --set time.duration=1e-6";
     run_with_exit_code(0, &here, arguments);
     check_command(&here, "run", "case.toml --accept-ill-posed");
+    let here = create_case_folder(TEST_FOLDER, "command-split", SOLID_CASE);
+    run_with_exit_code(0, &here, "split case.toml --ranks 3 --threads 2 --out out --pictures html");
+    check_command(&here, "split", "case.toml --ranks 3 --threads 2");
 }
 
 /// Returns the columns of a CSV table whose cells have no commas.

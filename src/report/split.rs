@@ -34,6 +34,10 @@ impl Report for SplitResult {
         ("bytes_per_step", "bytes/step"),
     ];
 
+    fn to_arguments(&self, _case: &Case) -> String {
+        format!("case.toml --ranks {} --threads {}", self.ranks.len(), self.thread_count)
+    }
+
     fn to_text(&self, case: &Case) -> String {
         let mut text = format!(
             "{}\n{} cells in {} parts; threads of each rank: {}\n\n",
