@@ -65,8 +65,8 @@ impl VerdictMap {
         }
         picture.draw_frame(bar, FRAME_LINE_WIDTH, INK);
         if has_line.contains(&true) {
-            // Below the bar: what its lines stand for.
-            let y = frame.bottom + 1.3 * TICK_LABEL_SIZE;
+            // Below the bar, lower than the tick labels of the map: what the lines across it stand for.
+            let y = frame.bottom + 2.5 * TICK_LABEL_SIZE;
             picture.draw_line([[bar.left, y], [bar.right, y]], 1.6, INK);
             let at = [bar.right + 8.0, y + 0.36 * MIN_TEXT_SIZE];
             picture.draw_text(Text::new(at, Anchor::Start, MIN_TEXT_SIZE, CONTOUR_WORD));
