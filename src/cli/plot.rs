@@ -25,7 +25,8 @@ use std::path::Path;
 const FIELDS_ARCHIVE_FILE: &str = "fields.npz";
 
 /// Verbs whose pictures follow from the case alone.
-const STUDIES: [&str; 7] = ["map", "point", "dispersion", "diagram", "speeds", "shocks", "check"];
+const STUDIES: [&str; 8] =
+    ["map", "point", "dispersion", "diagram", "speeds", "shocks", "check", "split"];
 
 /// Runs the verb `plot`: redraws the pictures of all results in a folder from the files of the folder. A run is redrawn
 /// from its fields and tables. Other results are computed again from `case.toml`, since they take little time, and must
@@ -45,8 +46,8 @@ pub fn plot(
         return Err(OutputError {
             path: path.to_owned(),
             cause: "no results".to_owned(),
-            remedy: "name a results folder, of wellposed map, point, dispersion, diagram, speeds, shocks, check \
-                     or run",
+            remedy: "name a results folder, of wellposed map, point, dispersion, diagram, speeds, shocks, check, \
+                     split or run",
         }
         .into());
     }
@@ -184,6 +185,10 @@ impl Redrawing<'_> {
             "diagram" => self.redraw(pool, |_| study::compute_diagram(case)),
             "speeds" => self.redraw(pool, |progress| study::compute_speeds(case, progress)),
             "shocks" => self.redraw(pool, |_| study::compute_shocks(case)),
+            "split" => {
+                let (ranks, threads) = self.read_split_options()?;
+                self.redraw(pool, |_| study::simulate::plan_split(case, ranks, threads))
+            }
             _ => self
                 .redraw(pool, |progress| study::check_agreement(case, CheckExtent::Full, progress)),
         }
@@ -224,6 +229,23 @@ impl Redrawing<'_> {
         files::read_regular_file(path).map_err(|error| OutputError::from_read_error(path, &error))
     }
 
+    fn read_report(&self, name: &str) -> Result<Value, OutputError> {
+        let path = self.folder.path().join(name);
+        serde_json::from_slice(&self.read(&path)?)
+            .map_err(|error| OutputError::from_invalid_content(&path, error))
+    }
+
+    /// Reads the numbers of ranks and of threads of each from the report of `split`.
+    fn read_split_options(&self) -> Result<(usize, usize), OutputError> {
+        let split = self.read_report("split.json")?;
+        let ranks = split["ranks"].as_array().map(Vec::len);
+        let threads = split["thread_count"].as_u64().and_then(|own| usize::try_from(own).ok());
+        ranks.zip(threads).ok_or_else(|| {
+            let path = self.folder.path().join("split.json");
+            OutputError::from_invalid_content(&path, "no numbers of ranks and threads")
+        })
+    }
+
     /// Determines the options with which the map was computed from its table and its report. Without a verdict by closed
     /// form, the map is the one with all verdicts from the linearised equations.
     fn read_map_options(&self) -> Result<MapOptions, OutputError> {
@@ -232,9 +254,7 @@ impl Redrawing<'_> {
         let text = String::from_utf8_lossy(&bytes);
         let header = text.lines().next().unwrap_or_default();
         let has_column = |name: &str| header.split(',').any(|column| column == name);
-        let path = self.folder.path().join("map.json");
-        let map: Value = serde_json::from_slice(&self.read(&path)?)
-            .map_err(|error| OutputError::from_invalid_content(&path, error))?;
+        let map = self.read_report("map.json")?;
         Ok(MapOptions {
             computes_bound: has_column("bound"),
             computes_growth_rate: has_column("growth_rate"),

@@ -15,8 +15,18 @@ use serde_json::Value;
 use std::fmt::Write as _;
 
 /// Verbs with a section, in the order of the sections.
-const STUDY_ORDER: [&str; 9] =
-    ["map", "point", "dispersion", "speeds", "diagram", "shocks", "check", "run", "compare"];
+const STUDY_ORDER: [&str; 10] = [
+    "map",
+    "point",
+    "dispersion",
+    "speeds",
+    "diagram",
+    "shocks",
+    "check",
+    "split",
+    "run",
+    "compare",
+];
 
 /// Picture of a section.
 pub struct PagePicture {
