@@ -42,7 +42,7 @@ const PROGRAM: CommandHelp = CommandHelp {
 };
 
 /// Help of all commands.
-const COMMANDS: [CommandHelp; 21] = [
+const COMMANDS: [CommandHelp; 22] = [
     CommandHelp {
         name: "map",
         examples: &[
@@ -121,6 +121,14 @@ const COMMANDS: [CommandHelp; 21] = [
                 "as mpirun -n 8 wellposed run lamb-3d cuts the grid",
             ),
             ("wellposed split lamb-2d --ranks 8 --set parallel.parts=[2,4]", "with other parts"),
+        ],
+        exit_codes: &[0, 2, 130],
+    },
+    CommandHelp {
+        name: "time",
+        examples: &[
+            ("wellposed time pulse-breaking --blocks 25,50,100", "on one rank"),
+            ("wellposed time pulse-breaking --blocks 100 --ranks 1,2", "on one and two ranks"),
         ],
         exit_codes: &[0, 2, 130],
     },

@@ -2,6 +2,7 @@
 
 #[cfg(unix)]
 mod allocator;
+mod format_argument;
 mod help;
 mod manual;
 mod number_arguments;
@@ -12,10 +13,12 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use dynamics::decomposition::communicator::Communicator;
+use format_argument::FormatArgument;
 use models::interface::continuum::OpeningLimit;
 use models::registry;
 use number_arguments::{
-    parse_cells_per_block, parse_rank_count, parse_seconds, parse_thread_count,
+    parse_block_count, parse_cells_per_block, parse_rank_count, parse_seconds, parse_step_count,
+    parse_thread_count,
 };
 use picture_arguments::PictureArguments;
 use std::io::Write;
@@ -117,6 +120,22 @@ enum Verb {
         /// Number of processes ("ranks")
         #[arg(long = "ranks", value_name = "N", value_parser = parse_rank_count)]
         rank_count: u32,
+        #[command(flatten)]
+        arguments: CaseArguments,
+    },
+    /// Measure the time of a step of a blocky medium against the number of blocks, beside a model
+    Time {
+        /// Numbers of blocks along each axis
+        #[arg(long = "blocks", value_name = "N,…", value_delimiter = ',', default_value = "25,50,100,200,400",
+            value_parser = parse_block_count)]
+        block_counts: Vec<u16>,
+        /// Numbers of ranks, on threads of this process
+        #[arg(long = "ranks", value_name = "N,…", value_delimiter = ',', default_value = "1",
+            value_parser = parse_thread_count)]
+        rank_counts: Vec<u16>,
+        /// Number of steps of a round
+        #[arg(long, value_name = "N", default_value_t = 20, value_parser = parse_step_count)]
+        steps: u16,
         #[command(flatten)]
         arguments: CaseArguments,
     },
@@ -311,21 +330,6 @@ enum PlaneWaveArgument {
     Porous,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum FormatArgument {
-    Text,
-    Json,
-}
-
-impl From<FormatArgument> for OutputFormat {
-    fn from(name: FormatArgument) -> Self {
-        match name {
-            FormatArgument::Text => Self::Text,
-            FormatArgument::Json => Self::Json,
-        }
-    }
-}
-
 /// Kinds of which there are templates.
 fn template_kinds() -> impl Iterator<Item = ModelKind> {
     ModelKind::all_kinds().into_iter().chain(ModelKind::WITHOUT_ENTRY)
@@ -427,6 +431,7 @@ impl Verb {
             | Self::Speeds { arguments }
             | Self::Shocks { arguments }
             | Self::Split { arguments, .. }
+            | Self::Time { arguments, .. }
             | Self::Run { arguments, .. }
             | Self::Check { arguments, .. } => arguments.format.into(),
             Self::Resume { format, .. }
@@ -493,6 +498,14 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         Verb::Shocks { arguments } => cli::run_shocks(&arguments.into(), &mut stdout)?,
         Verb::Split { rank_count, arguments } => {
             cli::run_split(&arguments.into(), rank_count as usize, &mut stdout)?;
+        }
+        Verb::Time { block_counts, rank_counts, steps, arguments } => {
+            let settings = cli::TimingSettings {
+                block_counts: block_counts.into_iter().map(usize::from).collect(),
+                rank_counts: rank_counts.into_iter().map(usize::from).collect(),
+                steps: steps.into(),
+            };
+            cli::run_time(&arguments.into(), &settings, &mut stdout)?;
         }
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };

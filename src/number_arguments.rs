@@ -29,3 +29,13 @@ pub fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
 }
+
+/// Parses a number of blocks along each axis.
+pub fn parse_block_count(text: &str) -> Result<u16, String> {
+    parse_count(text, 10_000)
+}
+
+/// Parses a number of steps.
+pub fn parse_step_count(text: &str) -> Result<u16, String> {
+    parse_count(text, 10_000)
+}

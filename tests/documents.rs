@@ -257,6 +257,7 @@ fn check_command(command: &str) {
         "speeds",
         "shocks",
         "split",
+        "time",
         "run",
         "check",
     ]
@@ -291,7 +292,7 @@ fn check_command(command: &str) {
                 "split" => "cases/dynamics/lamb-2d.toml",
                 "run" => "cases/flow/decay.toml",
                 "diagram" => "cases/rheology/porous-plastic.toml",
-                "homogenise" => "cases/blocky/pulse-breaking.toml",
+                "homogenise" | "time" => "cases/blocky/pulse-breaking.toml",
                 "shocks" => "cases/porous/foam-collapse.toml",
                 _ => "cases/cosserat/forbidden-band.toml",
             };
@@ -430,7 +431,7 @@ fn commands_page_and_man_pages_are_complete() {
     let commands = help.split("Commands:\n").nth(1).expect("commands");
     let names = commands.lines().map_while(|line| line.strip_prefix("  ")?.split(' ').next());
     let names: Vec<&str> = names.filter(|name| *name != "help").collect();
-    assert_eq!(names.len(), 20, "{help}");
+    assert_eq!(names.len(), 21, "{help}");
     for name in names {
         assert!(page.contains(&format!("\n## `wellposed {name}`\n")), "{name}");
         let path = folder.path().join(format!("man1/wellposed-{name}.1"));

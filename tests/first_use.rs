@@ -31,7 +31,7 @@ fn help_has_examples_and_exit_codes() {
         .map_while(|line| line.strip_prefix("  ")?.split(' ').next())
         .filter(|name| !name.is_empty() && *name != "help")
         .collect();
-    assert_eq!(names.len(), 20, "{help}");
+    assert_eq!(names.len(), 21, "{help}");
     let is_case = |word: &str| wellposed::case::find_bundled_case(word).is_some();
     for name in names {
         let (help, _) = run_with_exit_code(0, &here, &format!("{name} --help"));
@@ -50,6 +50,7 @@ fn help_has_examples_and_exit_codes() {
                 "speeds",
                 "shocks",
                 "split",
+                "time",
                 "run",
             ];
             if takes_case.contains(&words[0]) {

@@ -110,3 +110,29 @@ fn plans_are_printed_drawn_and_refused() {
     let (plan, _) = run_with_exit_code(0, &folder, "split lamb-3d --ranks 3 --dry-run");
     assert!(plan.contains("split-x2x3.png") && !plan.contains("split.png"), "{plan}");
 }
+
+/// Verifies the table of times and its picture with small media; the times themselves are those of the machine.
+#[test]
+fn blocks_are_timed_beside_the_model() {
+    let folder = create_case_folder(TEST_FOLDER, "time", &blocks("[2, 2]", 5));
+    let arguments = "time case.toml --blocks 8,4 --ranks 1,2 --steps 2";
+    let (text, _) = run_with_exit_code(0, &folder, arguments);
+    for part in ["ranks 2: latency ", "ranks 1: a wave crosses the medium in a time T ∝ N^"] {
+        assert!(text.contains(part), "{text}");
+    }
+    let (json, _) = run_with_exit_code(0, &folder, &format!("{arguments} --format json"));
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let cells: Vec<u64> = rows.iter().map(|row| row["cells"].as_u64().unwrap()).collect();
+    assert_eq!(cells, [400, 1600, 400, 1600]);
+    let is_positive = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap() > 0.0;
+    assert!(rows.iter().all(|row| is_positive(row, "step_time") && is_positive(row, "model_time")));
+    // A crossing takes twice as many steps with twice as many blocks.
+    let steps = |row: usize| rows[row]["crossing_steps"].as_u64().unwrap();
+    assert!(steps(1).abs_diff(2 * steps(0)) <= 1);
+    assert!(list_entries(&folder.join("out/case")).contains(&"time.png".to_owned()));
+    let (_, error) = run_with_exit_code(2, &folder, "time lamb-2d --blocks 4");
+    assert!(error.contains("block"), "{error}");
+    let (_, error) = run_with_exit_code(2, &folder, "time case.toml --blocks 4 --ranks 50");
+    assert!(error.contains("50 ranks for 400 cells"), "{error}");
+}

@@ -138,6 +138,8 @@ pub fn column_unit(file: &str, column: &str) -> Option<&'static str> {
     // Names that have different units in different files.
     match (file, column) {
         ("split.csv", "memory_bytes" | "bytes_per_step") => return Some("byte"),
+        ("time.csv", "step_time" | "model_time" | "crossing_time") => return Some("s"),
+        ("time.csv", _) => return Some("1"),
         ("split.csv", _) => return Some("1"),
         ("spall.csv", "distance") => return Some("m"),
         ("shocks.csv" | "fields.npz", "dissipation") => return Some("J/m3"),

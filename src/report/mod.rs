@@ -18,6 +18,7 @@ pub mod shocks;
 pub mod speeds;
 mod split;
 mod symbols;
+mod timing;
 
 use crate::Error;
 use crate::case::Case;

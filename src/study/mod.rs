@@ -17,6 +17,7 @@ pub mod point;
 pub mod shocks;
 pub mod simulate;
 pub mod speeds;
+pub mod timing;
 pub mod verdict;
 
 pub use bloch::{BandStructureResult, compute_bloch_waves};

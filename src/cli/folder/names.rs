@@ -100,6 +100,9 @@ pub const SPLIT_FILES: [&str; 11] = [
     "split.txt",
 ];
 
+/// Names of the files of `time`, in addition to the common files.
+pub const TIME_FILES: [&str; 5] = ["time.png", "time.svg", "time.csv", "time.json", "time.txt"];
+
 /// Names of the files of `check`, in addition to the common files; the last two only if a perturbation is refined.
 pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
@@ -307,6 +310,7 @@ pub fn result_file_names() -> impl Iterator<Item = &'static str> {
         .chain(SPEEDS_FILES)
         .chain(SHOCKS_FILES)
         .chain(SPLIT_FILES)
+        .chain(TIME_FILES)
         .chain(CHECK_FILES)
         .chain(COMPARISON_FILES)
         .chain(RUN_FILES);
