@@ -144,7 +144,7 @@ impl TimingResult {
                     [at, y + slope * (at - x)]
                 };
                 panel.curves.push(LabelledCurve {
-                    label: format!("fitted, ranks: {}, T ∝ N^{slope:.2}", last.ranks),
+                    label: format!("fitted, ranks: {}, exponent {slope:.2}", last.ranks),
                     points: own().map(point).collect(),
                 });
             }
