@@ -131,6 +131,9 @@ fn blocks_are_timed_beside_the_model() {
     let steps = |row: usize| rows[row]["crossing_steps"].as_u64().unwrap();
     assert!(steps(1).abs_diff(2 * steps(0)) <= 1);
     assert!(list_entries(&folder.join("out/case")).contains(&"time.png".to_owned()));
+    let page = std::fs::read_to_string(folder.join("out/case/report.html")).unwrap();
+    let command = "wellposed time case.toml --blocks 4,8 --ranks 1,2 --steps 2 --threads 1";
+    assert!(page.contains(command), "{command}");
     let (_, error) = run_with_exit_code(2, &folder, "time lamb-2d --blocks 4");
     assert!(error.contains("block"), "{error}");
     let (_, error) = run_with_exit_code(2, &folder, "time case.toml --blocks 4 --ranks 50");

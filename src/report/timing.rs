@@ -17,11 +17,26 @@ impl Report for TimingResult {
     const UNITS: &'static [(&'static str, &'static str)] =
         &[("cell_time", "s"), ("step_time", "s"), ("model_time", "s"), ("messages", "s, bytes/s")];
 
+    fn to_arguments(&self, _case: &Case) -> String {
+        let list = |number: fn(&TimingRow) -> usize| {
+            let mut numbers: Vec<usize> = self.rows.iter().map(number).collect();
+            numbers.sort_unstable();
+            numbers.dedup();
+            numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(",")
+        };
+        let (blocks, ranks) = (list(|row| row.blocks), list(|row| row.ranks));
+        let Self { steps, thread_count, .. } = self;
+        format!(
+            "case.toml --blocks {blocks} --ranks {ranks} --steps {steps} --threads {thread_count}"
+        )
+    }
+
     fn to_text(&self, case: &Case) -> String {
         let mut text = format!(
-            "{}\nfastest of 3 rounds of {} steps; ranks on threads of this process\n\n",
+            "{}\nfastest of 3 rounds of {} steps; ranks on threads of this process; threads of each rank: {}\n\n",
             case_title(case),
-            self.steps
+            self.steps,
+            self.thread_count,
         );
         let _ = writeln!(
             text,

@@ -36,6 +36,8 @@ pub const MARKED_DEVIATION: f64 = 0.2;
 pub struct TimingResult {
     /// Number of steps of a round.
     pub steps: usize,
+    /// Number of threads of each rank.
+    pub thread_count: usize,
     /// Time of a step per cell of the largest medium on one rank, s.
     pub cell_time: f64,
     /// Rows by number of ranks, then of blocks.
@@ -134,7 +136,7 @@ pub fn time_blocks(
         fit_slope(&points).map(|slope| (*ranks, slope))
     };
     let exponents = rank_counts.iter().filter_map(exponent).collect();
-    Ok(TimingResult { steps, cell_time, rows, exponents })
+    Ok(TimingResult { steps, thread_count: threads, cell_time, rows, exponents })
 }
 
 /// Returns the slope of the line of least squares; `None` for fewer than two abscissas.

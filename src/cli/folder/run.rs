@@ -241,8 +241,18 @@ fn describe_other_results(path: &Path) -> Option<String> {
     if let Some(fault) = describe_missing_folder(path) {
         return Some(fault.to_owned());
     }
-    const VERBS: [&str; 9] =
-        ["map", "point", "dispersion", "diagram", "speeds", "shocks", "check", "split", "compare"];
+    const VERBS: [&str; 10] = [
+        "map",
+        "point",
+        "dispersion",
+        "diagram",
+        "speeds",
+        "shocks",
+        "check",
+        "split",
+        "time",
+        "compare",
+    ];
     let run_files = [AppendedFile::Checkpoint, AppendedFile::Log, AppendedFile::Ledger];
     if path.join(FINISHED_RUN_FILE).exists()
         || run_files.iter().any(|file| path.join(file.name()).exists())

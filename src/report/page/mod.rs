@@ -15,7 +15,7 @@ use serde_json::Value;
 use std::fmt::Write as _;
 
 /// Verbs with a section, in the order of the sections.
-const STUDY_ORDER: [&str; 10] = [
+const STUDY_ORDER: [&str; 11] = [
     "map",
     "point",
     "dispersion",
@@ -24,6 +24,7 @@ const STUDY_ORDER: [&str; 10] = [
     "shocks",
     "check",
     "split",
+    "time",
     "run",
     "compare",
 ];
