@@ -73,5 +73,6 @@ def test_every_public_name_is_described() -> None:
         if inspect.isfunction(own):
             assert f"`{name}(" in page or f"wellposed.{name}(" in page, name
             # numpydoc: every argument is described.
+            text = inspect.getdoc(own) or ""
             for argument in inspect.signature(own).parameters:
-                assert re.search(rf"^    (.*, )?{argument}(,.*)? : ", own.__doc__, re.M), (name, argument)
+                assert re.search(rf"^(.*, )?{argument}(,.*)? : ", text, re.M), (name, argument)
