@@ -6,6 +6,7 @@ import doctest
 import importlib
 import inspect
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -37,12 +38,15 @@ PAGES = [ROOT / "README.md", ROOT / "python" / "README.md", *sorted((ROOT / "doc
 RESULTS = {
     "out/noncoaxiality-bound": ("map", "noncoaxiality-bound"),
     "out/foundation": ("run", "foundation", "--set", "time.duration=1e-3"),
+    "out/lamb-3d": ("run", "lamb-3d", "--set", "time.duration=0.04"),
 }
 
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 @pytest.mark.parametrize("page", [page for page in PAGES if list_blocks(page)], ids=lambda page: page.name)
-def test_python_blocks_run(program, page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_blocks_run(
+    program, program_path: Path, page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
     monkeypatch.chdir(tmp_path)
     blocks = list_blocks(page)
@@ -50,6 +54,9 @@ def test_python_blocks_run(program, page: Path, tmp_path: Path, monkeypatch: pyt
         if any(folder in block for block in blocks):
             Path("out").mkdir(exist_ok=True)
             Path(folder).symlink_to(program(*arguments), target_is_directory=True)
+    if any("snapshots.zarr.zip" in block for block in blocks):
+        pytest.importorskip("zarr", minversion="3")
+        subprocess.run([program_path, "gather", "out/lamb-3d", "--zarr"], check=True)
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block, page.name, "exec"), names)
