@@ -91,9 +91,11 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
             let inner = inner.and_then(|own| find_verb(own, arguments));
             let verbs: Vec<&str> = verb.iter().chain(&inner).map(String::as_str).collect();
             let command = verbs.iter().try_fold(&command, |own, verb| own.find_subcommand(verb));
-            let required = |own: &&Arg| own.is_positional() && own.is_required_set();
-            let required: Vec<&Arg> =
-                command.iter().flat_map(|own| own.get_arguments()).filter(required).collect();
+            let required: Vec<&Arg> = command
+                .iter()
+                .flat_map(|own| own.get_arguments())
+                .filter(|own| own.is_required_set())
+                .collect();
             let names: Vec<String> = required.iter().map(ToString::to_string).collect();
             let about = required.iter().find(|own| own.to_string() == argument);
             let about = about.and_then(|own| own.get_help());

@@ -136,6 +136,11 @@ fn blocks_are_timed_beside_the_model() {
     assert!(page.contains(command), "{command}");
     let (_, error) = run_with_exit_code(2, &folder, "time lamb-2d --blocks 4");
     assert!(error.contains("block"), "{error}");
+    let (_, error) = run_with_exit_code(2, &folder, "split case.toml");
+    assert!(
+        error.contains("--ranks <N>: missing; expected wellposed split --ranks <N> <CASE>"),
+        "{error}"
+    );
     let (_, error) = run_with_exit_code(2, &folder, "time case.toml --blocks 4 --ranks 50");
     assert!(error.contains("50 ranks for 400 cells"), "{error}");
 }
