@@ -80,8 +80,8 @@ fn parse_list<F: Copy + PartialEq>(text: &str, known: &[(&str, F)]) -> Result<Ve
 /// Parses a width and a height: pixels from 100 to 10000, or with the suffix `mm` millimetres from 10 to 2000. A width in mm
 /// needs no height.
 fn parse_size(text: &str) -> Result<FigureSize, String> {
-    let problem = "expected a width and a height, such as 1200x800 in pixels (100 to 10000) or 170x120mm (10 to 2000), or a \
-                   width in mm, such as 85mm";
+    let problem = "expected width and height in pixels from 100 to 10000, such as 1200x800, or in mm from 10 to 2000, such as \
+                   170x120mm, or the width alone, such as 85mm";
     let (numbers, is_in_mm) = match text.strip_suffix("mm") {
         Some(numbers) => (numbers, true),
         None => (text.strip_suffix("px").unwrap_or(text), false),

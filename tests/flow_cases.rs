@@ -114,7 +114,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "length = [0.2, 0.1]",
         "spacing = 0.01",
-        "folder/x.toml:15: grid.spacing: found for a flow; give length, the edge lengths of the box at t = 0 in m, instead",
+        "folder/x.toml:15: grid.spacing: not used by a flow; give length, the edge lengths of the box at t = 0 in m, instead",
     ),
     (
         "length = [0.2, 0.1]",
@@ -197,13 +197,13 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "[[receiver]]",
         "[gravity]\nacceleration = [0, -9.81]\n[[receiver]]",
-        "folder/x.toml:43: gravity: found for the model harris-grekova, a flow; leave it out: it belongs \
+        "folder/x.toml:43: gravity: not used by the model harris-grekova, a flow; leave it out: it belongs \
              to solids; a flow has grid, time, initial, receiver, output",
     ),
     (
         "[[receiver]]",
         "[limits]\nshear_rate = 0.1\n[[receiver]]",
-        "folder/x.toml:43: limits: found for the model harris-grekova, a flow; leave it out: it belongs to \
+        "folder/x.toml:43: limits: not used by the model harris-grekova, a flow; leave it out: it belongs to \
              plastic-potential",
     ),
 ];
@@ -243,17 +243,17 @@ fn missing_and_misplaced_sections_are_refused() {
         + "[grid]\ncells = [8, 8]\nlength = 1\n";
     let error = parse_case(&free).unwrap_err();
     assert!(
-        error.contains("grid: found for the model free-rotating, a flow; leave it out"),
+        error.contains("grid: not used by the model free-rotating, a flow; leave it out"),
         "{error}"
     );
     let solid = new::generate_state_template(ModelKind::solid_kinds()[0])
         + "[grid]\ncells = [8, 8]\nlength = 1\n";
     let error = parse_case(&solid).unwrap_err();
-    assert!(error.contains("grid.length: found for a solid; give spacing"), "{error}");
+    assert!(error.contains("grid.length: not used by a solid; give spacing"), "{error}");
     let error = parse_case(&(solid.replace("length", "spacing") + "[limits]\nshear_rate = 0.1\n"))
         .unwrap_err();
     assert!(
-        error.contains("limits: found for the model classical, a solid; leave it out"),
+        error.contains("limits: not used by the model classical, a solid; leave it out"),
         "{error}"
     );
 }
@@ -456,7 +456,9 @@ fn run_templates_contain_every_key() {
     )
     .unwrap_err();
     assert!(
-        error.to_string().contains("free-rotating, which leaves the spin undetermined"),
+        error
+            .to_string()
+            .contains("free-rotating cannot be run in time: it leaves the spin undetermined"),
         "{error}"
     );
 }

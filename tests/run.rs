@@ -264,7 +264,7 @@ fn invalid_runs_are_refused() {
     check_refusals([
         (
             CLASSICAL_MODEL.replace("lambda", "dimensions = 2\nlambda"),
-            ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
+            ": grid: missing; add a section [grid], for example with cells = [200, 200] and spacing = 1.0, and [time] with a duration",
         ),
         // A missing grid is reported before other missing sections.
         (CLASSICAL_MODEL.to_owned(), ": grid: missing; add a section [grid]"),
@@ -272,7 +272,7 @@ fn invalid_runs_are_refused() {
             wellposed::cli::new::generate_state_template(
                 wellposed::case::ModelKind::flow_kinds()[0],
             ),
-            ": grid: missing; add a section [grid] with cells = [64, 64] and length = 0.1",
+            ": grid: missing; add a section [grid], for example with cells = [64, 64] and length = 0.1",
         ),
         (
             format_classical_case(

@@ -171,7 +171,7 @@ fn other_verbs_and_wrong_requests_are_refused_with_the_key() {
         for is_dry_run in [true, false] {
             let error = run_verb(verb, "foam-collapse.toml", &out, is_dry_run).unwrap_err();
             assert!(
-                error.contains("porous: found for this verb; expected a solid without"),
+                error.contains("porous: found, but this verb takes only solids without"),
                 "{error}"
             );
         }
@@ -206,5 +206,5 @@ fn other_verbs_and_wrong_requests_are_refused_with_the_key() {
     )
     .unwrap();
     let error = compute_shocks(&plain).unwrap_err().to_string();
-    assert!(error.contains("porous: missing; add a section [porous]"), "{error}");
+    assert!(error.contains("expected a classical solid with a section [porous]"), "{error}");
 }

@@ -256,7 +256,7 @@ impl Case {
     ) -> Result<Self, CaseError> {
         let foreign = |key: &str| {
             let allowed = "leave it out: a rheological scheme has [rheology] and [load_path] only";
-            entries.positions.key_error(key, "found for a rheological scheme", allowed)
+            entries.positions.key_error(key, "not used by a rheological scheme", allowed)
         };
         const SCALAR_SECTIONS: [&str; 7] =
             ["model", "background", "yield", "stress", "wave", "map", "compare"];
@@ -308,7 +308,7 @@ impl Case {
         if let Some(section) = FOREIGN_SECTIONS.into_iter().find(|own| entries.has_section(own)) {
             let allowed = "leave it out: a model given as equations has [model], [background], [wave], [map] and \
                            [check]";
-            let found = "found for a model given as equations";
+            let found = "not used by a model given as equations";
             return Err(entries.positions.key_error(section, found, allowed));
         }
         let (equations, numbers) = EquationsCase::read(&root)?;

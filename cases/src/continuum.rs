@@ -146,7 +146,7 @@ impl Case {
                 None => key("kind"),
             };
             let allowed = "expected elastic, elastic-plastic or breaking: the continuum has no viscosity, \
-                           pores or cracks; wellposed dispersion has the waves of such joints";
+                           pores or cracks; wellposed dispersion computes the waves in media with such joints";
             return Err(run.key_error(&path, format!("found {name}"), allowed));
         };
         if strength.slip.hardening > 0.0 {

@@ -357,9 +357,11 @@ impl<'a> CaseEntries<'a> {
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
         // Suggest the key of the same name in another section, else the most similar name in this section.
         let misplaced = keys().iter().find(|key| is_usable(key) && key.split_section().1 == last);
-        let meant = misplaced.map(|key| key.name).or_else(|| find_similar_name(last, bare));
+        let sought = if section.is_empty() { name } else { last };
+        let meant = misplaced.map(|key| key.name).or_else(|| find_similar_name(sought, bare));
         let allowed = format!("{}allowed here: {}", format_suggestion(meant), siblings.join(", "));
-        CaseError::Key { position, key: escape(shown_as), found: "unknown key".into(), allowed }
+        let found = if section.is_empty() { "unknown key or section" } else { "unknown key" };
+        CaseError::Key { position, key: escape(shown_as), found: found.into(), allowed }
     }
 
     /// Returns the value of a key, if given.
@@ -426,9 +428,12 @@ fn check_bare_text(
     if !text.starts_with(['[', '{', '"', '\'']) {
         return Ok(());
     }
-    let found = format!("found '{}', which is not TOML: {}", escape(text), escape(error.message()));
-    let allowed = "expected a list [1, 2], a table { key = value } or a text; in a shell, put the \
-                   option in single quotes, which keep the double quotes of texts";
+    // Without the quotes that a shell has removed, the parser takes the beginning of a text for that of a literal.
+    let message = error.message();
+    let detail = if message.contains("unclosed") { format!(": {message}") } else { String::new() };
+    let found = format!("found '{}', which is not TOML{}", escape(text), escape(&detail));
+    let allowed = "texts in lists and tables have double quotes, which a shell keeps only inside single quotes, as \
+                   in --set 'KEY=[\"text\"]'";
     refused(&found, allowed.to_owned()).map(drop)
 }
 

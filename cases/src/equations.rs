@@ -417,7 +417,11 @@ fn read_texts(section: &SectionReader, key: &str) -> Result<Vec<NamedText>, Case
         None => {
             let found = format!("found {}", node.describe());
             let full = format!("{key}.{}", format_segment(name));
-            Err(section.key_error(&full, found, "expected an expression in quotes"))
+            Err(section.key_error(
+                &full,
+                found,
+                "expected an expression in double quotes (in a shell: --set 'KEY=\"…\"')",
+            ))
         }
     };
     table.entries().map(read).collect()

@@ -74,12 +74,15 @@ impl MediumKind {
 /// Error: a kind of model does not admit a yield set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "found {} for the model {}; allowed: {}",
+    "found {} with the model {}; {}",
     set.name,
     kind.name(),
     match kind.admissible_yield_sets().as_slice() {
-        [] => "none: it has its own yield condition".to_owned(),
-        sets => sets.iter().map(|set| set.name).collect::<Vec<_>>().join(", "),
+        [] => "leave it out: the model has its own yield condition".to_owned(),
+        sets => {
+            let names: Vec<&str> = sets.iter().map(|set| set.name).collect();
+            format!("allowed: {}", names.join(", "))
+        }
     }
 )]
 pub struct YieldSetError {

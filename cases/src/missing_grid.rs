@@ -18,12 +18,12 @@ pub(super) fn missing_grid_error(positions: &KeyPositions, kind: ModelKind) -> C
         ModelKind::Flow(_) | ModelKind::Solid(_) => {
             let sections = match kind {
                 ModelKind::Flow(_) => {
-                    "cells = [64, 64] and length = 0.1, [time] with duration, and [[initial]]"
+                    "cells = [64, 64] and length = 0.1, [time] with a duration, and [[initial]]"
                 }
-                _ => "cells = [200, 200] and spacing = 1.0, and [time] with duration",
+                _ => "cells = [200, 200] and spacing = 1.0, and [time] with a duration",
             };
             let allowed = format!(
-                "add a section [grid] with {sections} (wellposed new {} --run writes an example)",
+                "add a section [grid], for example with {sections} (wellposed new {} --run writes a whole example)",
                 kind.name()
             );
             positions.key_error("grid", "missing", allowed)

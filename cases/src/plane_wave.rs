@@ -140,7 +140,7 @@ pub(super) fn read_contacts(
     let given = PLANE_WAVE_SCHEMAS.iter().map(|own| own.name).find(|name| root.has_key(name));
     let Some(section) = given else { return Ok(None) };
     if medium.kind.name() != ELASTIC_KIND {
-        let found = format!("found for the model {}", medium.kind.name());
+        let found = format!("not used by the model {}", medium.kind.name());
         let allowed = format!("write model.kind = \"{ELASTIC_KIND}\", or leave the section out");
         return Err(root.key_error(section, found, allowed));
     }
@@ -180,7 +180,7 @@ pub(super) fn read_loads(
     let spall = root.open_section(&SPALL_SCHEMA)?.map(read_spall).transpose()?;
     if spall.is_some() && !is_granular {
         let allowed = "leave it out: it belongs to [granular]";
-        return Err(root.key_error("spall", "found for a porous medium", allowed));
+        return Err(root.key_error("spall", "not used by a porous medium", allowed));
     }
     if piston.is_none() && spall.is_none() {
         if has_grid {

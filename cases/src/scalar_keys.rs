@@ -57,7 +57,7 @@ pub(super) fn read_yield_set(
     }
     let sets = kind.admissible_yield_sets();
     if sets.is_empty() {
-        let found = format!("found for the model {}", kind.name());
+        let found = format!("not used by the model {}", kind.name());
         return Err(entries.positions.key_error(
             "yield",
             found,

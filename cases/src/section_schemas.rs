@@ -90,10 +90,10 @@ pub(crate) fn find_foreign_section(kind: ModelKind, foreign: &str) -> Option<(St
         return None;
     }
     let found = match kind {
-        ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
-        ModelKind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
-        ModelKind::Rheology => "found for a rheological scheme".to_owned(),
-        ModelKind::Equations => "found for a model given as equations".to_owned(),
+        ModelKind::Solid(_) => format!("not used by the model {}, a solid", kind.name()),
+        ModelKind::Flow(_) => format!("not used by the model {}, a flow", kind.name()),
+        ModelKind::Rheology => "not used by a rheological scheme".to_owned(),
+        ModelKind::Equations => "not used by a model given as equations".to_owned(),
     };
     let allowed = match kind {
         ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {

@@ -183,7 +183,7 @@ fn wrong_sections_are_refused_with_line_and_key() {
             POROUS,
             "[piston]",
             "[spall]\nspeed = 1\nduration = 1\n[piston]",
-            "x.toml:11: spall: found for a porous",
+            "x.toml:11: spall: not used by a porous",
         ),
         (
             POROUS,
@@ -219,7 +219,7 @@ fn wrong_sections_are_refused_with_line_and_key() {
             POROUS,
             "kind = 'classical'",
             "kind = 'reduced-cosserat'\nalpha = 1e9\ninertia = 1",
-            "porous: found for the model reduced-cosserat;",
+            "porous: not used by the model reduced-cosserat;",
         ),
         (
             GRANULAR,
@@ -251,7 +251,12 @@ fn wrong_sections_are_refused_with_line_and_key() {
 #[test]
 fn other_studies_refuse_media_with_contacts() {
     let error = parse(POROUS).unwrap().check_without_contacts().unwrap_err().to_string();
-    assert!(error.starts_with("x.toml:7: porous: found for this verb; "), "{error}");
+    assert!(
+        error.starts_with(
+            "x.toml:7: porous: found, but this verb takes only solids without contacts and pores; "
+        ),
+        "{error}"
+    );
     let elastic = &POROUS[..POROUS.find("[porous]").unwrap()];
     let case = parse(elastic).unwrap();
     assert!(case.check_without_contacts().is_ok());

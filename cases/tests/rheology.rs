@@ -152,19 +152,19 @@ fn wrong_sections_are_refused_with_file_line_and_key() {
             NAMED,
             "steps = 10",
             "[model]\nkind = 'classical'",
-            "x.toml:9: model: found for a rheological scheme; leave it out",
+            "x.toml:9: model: not used by a rheological scheme; leave it out",
         ),
         (
             NAMED,
             "steps = 10",
             "[grid]\ncells = [3, 3]",
-            "x.toml:9: grid: found for a rheological scheme; leave it out",
+            "x.toml:9: grid: not used by a rheological scheme; leave it out",
         ),
         (
             NAMED,
             "steps = 10",
             "[wave]\nnumber = 1",
-            "x.toml:9: wave: found for a rheological scheme; leave it out",
+            "x.toml:9: wave: not used by a rheological scheme; leave it out",
         ),
         (
             TREE,

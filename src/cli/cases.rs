@@ -53,6 +53,7 @@ pub fn copy_cases(folder: &Path, force: bool, stdout: &mut dyn Write) -> Result<
     // No file is written if one of them must not be.
     let mut changed = files().filter(|(path, text)| !is_same_file(path, text));
     changed.try_for_each(|(path, _)| check_new_file(&path, force))?;
+    create_folder(folder).map_err(name_copy_option)?;
     for (path, text) in files().filter(|(path, text)| !is_same_file(path, text)) {
         if let Some(parent) = path.parent() {
             create_folder(parent).map_err(name_copy_option)?;

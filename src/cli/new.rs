@@ -39,24 +39,24 @@ pub fn write_template(
     let name = medium.kind.name();
     let is_simulation = purpose == TemplateKind::Simulation;
     if is_simulation && !matches!(medium.kind, ModelKind::Flow(_) | ModelKind::Solid(_)) {
-        let found = format!("found for {name}, which wellposed run does not solve");
+        let found = format!("{name} cannot be run in time");
         return Err(usage_error("--run", found, "leave --run out, or name another kind").into());
     }
     if is_simulation
         && matches!(medium.kind, ModelKind::Flow(_))
         && medium.kind.simulation_rotation().is_none()
     {
-        let found = format!("found for {name}, which leaves the spin undetermined");
+        let found = format!("{name} cannot be run in time: it leaves the spin undetermined");
         return Err(usage_error("--run", found, "leave --run out, or name another kind").into());
     }
     let is_plane_wave =
         matches!(purpose, TemplateKind::GranularPlaneWave | TemplateKind::PorousPlaneWave);
     if is_plane_wave && medium != MediumKind::from(ModelKind::Solid(registry::CLASSICAL)) {
-        let found = format!("found for {}", medium.title());
+        let found = format!("not for the medium '{}'", medium.title());
         return Err(usage_error(
             "--shocks",
             found,
-            "only the classical solid has plane waves: name the kind classical without --yield",
+            "wellposed shocks takes classical solids: name the kind classical, without --yield",
         )
         .into());
     }

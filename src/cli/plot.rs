@@ -46,7 +46,7 @@ pub fn plot(
         return Err(OutputError {
             path: path.to_owned(),
             cause: "no results".to_owned(),
-            remedy: "name a results folder, of wellposed map, point, dispersion, diagram, speeds, shocks, check, \
+            remedy: "name a folder with results of wellposed map, point, dispersion, diagram, speeds, shocks, check, \
                      split or run",
         }
         .into());

@@ -218,7 +218,8 @@ pub fn compute_bloch_waves(
             other => InputError {
                 input: "model",
                 rejected_value: format!("numbers whose Bloch waves cannot be computed: {other}"),
-                allowed_values: "expected moduli, densities and lengths of ordinary size".into(),
+                allowed_values: "expected moduli, densities and lengths of physical magnitude"
+                    .into(),
             },
         };
         case.locate_error(error).into()

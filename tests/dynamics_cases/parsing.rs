@@ -243,7 +243,7 @@ fn invalid_settings_are_refused() {
     let flow = wellposed::cli::new::generate_state_template(ModelKind::flow_kinds()[0]);
     let error = parse_case_with(&flow, &["grid.spacing=1"]).unwrap_err();
     let start =
-        "--set grid.spacing=1: grid.spacing: found for a flow; give length, the edge lengths of";
+        "--set grid.spacing=1: grid.spacing: not used by a flow; give length, the edge lengths of";
     assert!(error.starts_with(start), "{error}");
     let error = parse_case_with(SPATIAL_CASE, &["receiver[1].at=[0,0,0]"]).unwrap_err();
     assert!(

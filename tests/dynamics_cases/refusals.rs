@@ -37,8 +37,8 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
     #[rustfmt::skip]
     let table: &[(&str, &str, &str)] = &[
         // sections and keys
-        ("[grid]", "[grdi]", "19: grdi: unknown key; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [[block]], [[joint]], [time], [scheme], [[region]], [[boundary]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output]"),
-        ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key; did you mean 'receiver'? allowed here: "),
+        ("[grid]", "[grdi]", "19: grdi: unknown key or section; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [[block]], [[joint]], [time], [scheme], [[region]], [[boundary]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output], [parallel]"),
+        ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key or section; did you mean 'receiver'? allowed here: "),
         ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (cell size)"),
         ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin, inner_radius"),
         ("courant = 0.9", "courant = 1.5", "25: time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant number): a sweep is unstable above 1"),

@@ -11,6 +11,7 @@ use crate::rheology::RheologyCase;
 use crate::template::choose_example_axes;
 use models::InputError;
 use models::common::decimal::format_exact;
+use models::registry;
 
 impl Case {
     /// Returns the model given as equations.
@@ -43,8 +44,8 @@ impl Case {
     pub fn require_rheology(&self) -> Result<&RheologyCase, CaseError> {
         self.rheology.as_ref().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
-            let allowed = "expected a rheological scheme: sections [rheology] and [load_path] in place of \
-                           [model]; wellposed new rheology writes one";
+            let allowed = "expected a rheological scheme, which wellposed new rheology writes; wellposed point, map and run \
+                           are for flows and solids";
             self.material.positions.key_error("model.kind", found, allowed)
         })
     }
@@ -62,7 +63,7 @@ impl Case {
         self.map.as_ref().ok_or_else(|| {
             let [x, y] = self.example_map_axes();
             let allowed = format!(
-                "add a section [map] with two numbers of the case, such as x = {x}, y = {y}"
+                "add a section [map] with the two parameters to vary, such as x = {x}, y = {y}"
             );
             self.material.positions.key_error("map", "missing", allowed)
         })
@@ -120,6 +121,13 @@ impl Case {
     /// The case has no such medium; the message says how to add one.
     pub fn require_contacts(&self) -> Result<&ContactMedium, CaseError> {
         self.material.contacts.as_ref().ok_or_else(|| {
+            let kind = self.material.kind;
+            if matches!(kind, ModelKind::Solid(own) if own != registry::CLASSICAL) {
+                let found = format!("found {}", kind.name());
+                let allowed = "expected a classical solid with a section [porous] or [granular], as in \
+                               wellposed cases show foam-open";
+                return self.material.positions.key_error("model.kind", found, allowed);
+            }
             let allowed = "add a section [porous] with porosity and contact_bulk_modulus, or [granular] \
                            with friction";
             self.solid_section_error("porous", allowed)
@@ -144,9 +152,8 @@ impl Case {
     /// The case has a section `[granular]` or `[porous]`.
     pub fn check_without_contacts(&self) -> Result<(), CaseError> {
         let Some(own) = &self.material.contacts else { return Ok(()) };
-        let allowed = "expected a solid without contacts and pores: use wellposed shocks or run, or leave the \
-                       section out to analyse the elastic solid of [model]";
-        let found = "found for this verb";
+        let allowed = "use wellposed shocks or run, or leave the section out to analyse the elastic solid of [model]";
+        let found = "found, but this verb takes only solids without contacts and pores";
         Err(self.material.positions.key_error(own.section(), found, allowed))
     }
 }

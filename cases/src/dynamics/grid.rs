@@ -173,7 +173,7 @@ impl SolidGrid {
         let mut section = root.open_required_section(&SCHEMA)?;
         if section.has_key("length") {
             let allowed = "give spacing, the cell size in m, instead";
-            return Err(section.key_error("length", "found for a solid", allowed));
+            return Err(section.key_error("length", "not used by a solid", allowed));
         }
         let cells: Vec<usize> = section.read_required("cells")?;
         let d = cells.len();

@@ -128,7 +128,7 @@ impl FlowGrid {
         let section = root.open_required_section(&GRID_SCHEMA)?;
         if section.has_key("spacing") {
             let allowed = "give length, the edge lengths of the box at t = 0 in m, instead";
-            return Err(section.key_error("spacing", "found for a flow", allowed));
+            return Err(section.key_error("spacing", "not used by a flow", allowed));
         }
         let cells: Vec<usize> = section.read_required("cells")?;
         let Ok(cells) = <[usize; 2]>::try_from(cells) else {

@@ -74,8 +74,10 @@ impl ResultFolder {
     /// The folder holds no finished run, or its case was changed in more than the plot options.
     pub fn open_finished_run(path: &Path) -> Result<(Self, Case), CommandError> {
         if !path.join(FINISHED_RUN_FILE).exists() || !path.join(CASE_FILE).is_file() {
-            let remedy = "name a folder with the results of wellposed run; wellposed resume \
-                          finishes an interrupted one";
+            let remedy = match has_run_files(path) {
+                true => "wellposed resume finishes an interrupted run",
+                false => "name a folder with the results of wellposed run",
+            };
             let cause = describe_other_results(path).unwrap_or("no finished run".to_owned());
             return Err(OutputError { path: path.to_owned(), cause, remedy }.into());
         }
@@ -235,6 +237,12 @@ impl ResultFolder {
     }
 }
 
+/// Returns whether a folder has files that a run in progress writes.
+fn has_run_files(path: &Path) -> bool {
+    let run_files = [AppendedFile::Checkpoint, AppendedFile::Log, AppendedFile::Ledger];
+    run_files.iter().any(|file| path.join(file.name()).exists())
+}
+
 /// Returns the message that there is no folder of this path, or that it holds results of other verbs than `run`; `None`
 /// if it holds files of a run, or no results.
 fn describe_other_results(path: &Path) -> Option<String> {
@@ -253,10 +261,7 @@ fn describe_other_results(path: &Path) -> Option<String> {
         "time",
         "compare",
     ];
-    let run_files = [AppendedFile::Checkpoint, AppendedFile::Log, AppendedFile::Ledger];
-    if path.join(FINISHED_RUN_FILE).exists()
-        || run_files.iter().any(|file| path.join(file.name()).exists())
-    {
+    if path.join(FINISHED_RUN_FILE).exists() || has_run_files(path) {
         return None;
     }
     let verbs: Vec<&str> =

@@ -139,9 +139,12 @@ impl MapResult {
                 format!("the grid step of {step}{}", format_unit_suffix(x.unit))
             }
             _ => {
+                let value = x.values.first().map_or(f64::NAN, |value| *value);
                 lines.push(format!(
-                    "{} has a single value: no intervals of well-posed states are determined.",
-                    x.label
+                    "{} has the single value {}{}: intervals of well-posed states need two or more.",
+                    x.label,
+                    format_short(value),
+                    format_unit_suffix(x.unit)
                 ));
                 return;
             }

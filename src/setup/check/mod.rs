@@ -105,8 +105,10 @@ fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
     match all.find(|(_, value)| *value != 0.0 && !MAGNITUDES.contains(&value.abs())) {
         None => Ok(()),
         Some((key, value)) => {
-            let (found, allowed) =
-                (format_exact(value), "expected 0 or a magnitude from 1e-60 to 1e60".into());
+            let (found, allowed) = (
+                format_exact(value),
+                "expected a magnitude from 1e-60 to 1e60, or 0 where the key allows it".into(),
+            );
             Err(case.locate_error(InputError {
                 input: key,
                 rejected_value: found,

@@ -217,8 +217,8 @@ fn analyse_yielding_state(
         let (key, found) = find_extreme_number(case);
         let number = format_rounded(wave.wave_number);
         let allowed = format!(
-            "expected a number of ordinary size: at wave.number = {number} the roots of this state leave the range of \
-             doubles"
+            "expected a physical magnitude: at wave.number = {number} the growth rates of this state are too large or \
+             too small to compute"
         );
         return Err(create_range_error(key, found, &allowed).into());
     }
