@@ -319,6 +319,11 @@ impl DiagramFigure {
                 }),
             ),
         ];
+        let path = |picture: &mut Picture, area: Rectangle| {
+            let y = 0.5 * (area.top + area.bottom);
+            picture.draw_curve(&[[area.left, y], [area.right, y]], &[], LINE_WIDTH, PATH_COLOUR);
+        };
+        entries.push(("stress against strain".to_owned(), Box::new(path)));
         for (index, curve) in self.curves.iter().enumerate() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 LineStyle::from_index(index).draw_swatch(picture, area);

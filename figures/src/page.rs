@@ -320,12 +320,6 @@ pub(crate) type Swatch = Box<dyn Fn(&mut Picture, Rectangle)>;
 /// Legend entry: text and swatch.
 pub(crate) type LegendEntry = (String, Swatch);
 
-/// Draws the swatch of a remark on elements that are not drawn: a bullet.
-pub(crate) fn draw_note_swatch(picture: &mut Picture, area: Rectangle) {
-    let middle = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
-    picture.fill_disc(middle, 4.0, PALE_INK);
-}
-
 /// Legend: swatches with their texts, row by row in aligned columns.
 pub(crate) struct Legend {
     entries: Vec<(Vec<String>, Swatch)>,

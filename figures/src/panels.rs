@@ -31,6 +31,8 @@ pub struct CurvePanel {
     pub reference_lines: Vec<LabelledCurve>,
     /// Points marked by discs.
     pub points: Vec<[f64; 2]>,
+    /// Legend text of the points; empty for none.
+    pub point_label: String,
     /// Ends of the horizontal axis; `None` for the range of the curves and points with a margin.
     pub x_ends: Option<[f64; 2]>,
     /// Least and greatest value of the vertical axis, such as those of all frames of an
@@ -177,6 +179,15 @@ impl PanelsFigure {
             let swatch =
                 |picture: &mut Picture, area: Rectangle| draw_level(picture, swatch_line(area));
             entries.push((label.clone(), Box::new(swatch)));
+        }
+        let is_labelled =
+            |panel: &&CurvePanel| !panel.points.is_empty() && !panel.point_label.is_empty();
+        if let Some(panel) = self.panels.iter().find(is_labelled) {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                let [from, to] = swatch_line(area);
+                picture.fill_disc([0.5 * (from[0] + to[0]), from[1]], POINT_RADIUS, INK);
+            };
+            entries.push((panel.point_label.clone(), Box::new(swatch)));
         }
         if self.panels.iter().any(|panel| !panel.loaded_ends.is_empty()) {
             let swatch = |picture: &mut Picture, area: Rectangle| {

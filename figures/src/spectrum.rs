@@ -109,10 +109,10 @@ impl SpectrumFigure {
         }
         if largest_omitted.is_finite() {
             let text = format!(
-                "omitted: values up to {}",
+                "(values up to {} omitted)",
                 scale::format_scientific(10_f64.powf(largest_omitted), 0)
             );
-            entries.push((text, Box::new(page::draw_note_swatch)));
+            entries.push((text, Box::new(|_, _| {})));
         }
         let legend = Legend::new(entries, page::width() - 2.0 * MARGIN);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
@@ -274,6 +274,6 @@ mod tests {
         // From 1/8 to 10⁻³ it is two decades, to 10⁻⁶ five.
         let [near, far] = [1e-3, 1e-6].map(|small| text(small, false));
         assert!(near.contains("10⁻³") && !near.contains("omitted"));
-        assert!(far.contains("omitted: values up to 10⁻⁶") && !far.contains("10⁻⁵"));
+        assert!(far.contains("(values up to 10⁻⁶ omitted)") && !far.contains("10⁻⁵"));
     }
 }

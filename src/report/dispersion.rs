@@ -42,10 +42,10 @@ impl Report for DispersionResult {
 
 impl BranchFamily {
     fn write_table(&self, wave_number: f64, text: &mut String) {
-        let count = if self.family_count > 1 {
-            format!(" (×{})", self.family_count)
-        } else {
-            String::new()
+        let count = match self.family_count {
+            1 => String::new(),
+            2 => " (double)".to_owned(),
+            count => format!(" ({count}-fold)"),
         };
         let _ = writeln!(text, "\n{}{count}", self.polarisation);
         let speeds = self.characteristic_speeds.iter().zip(&self.imaginary_characteristic_speeds);

@@ -109,10 +109,10 @@ impl BranchGroup {
             (2, _) => ", upper branch".into(),
             (_, n) => format!(", branch {}", n + 1),
         };
-        let count = if self.family_count > 1 {
-            format!(" (×{})", self.family_count)
-        } else {
-            String::new()
+        let count = match self.family_count {
+            1 => String::new(),
+            2 => " (double)".to_owned(),
+            count => format!(" ({count}-fold)"),
         };
         format!("{}{place}{count}", self.family.polarisation.name())
     }

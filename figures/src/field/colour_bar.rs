@@ -104,8 +104,11 @@ impl FieldFigure {
         bar: &ColourBar,
     ) {
         match levels {
-            Contours::Lines(_) => {
-                for level in self.relative_levels(scale) {
+            Contours::Lines(lines) => {
+                // Other figures with the same fixed scale may have lines at all levels.
+                let is_drawn =
+                    |level: &f64| scale.is_fixed || lines.iter().any(|(own, _)| own == level);
+                for level in self.relative_levels(scale).into_iter().filter(is_drawn) {
                     let share = scale.fraction(level * scale.limit);
                     if (0.0..=1.0).contains(&share) {
                         draw_contour_line(picture, level, &bar.transverse_line(share));

@@ -278,7 +278,7 @@ pub(super) fn build_entry(
     }
 }
 
-/// Builds the entry of a remark, with a bullet in place of a sample.
+/// Builds the entry of a remark, in parentheses and without a sample.
 pub(super) fn build_note(text: String) -> FieldLegendEntry {
-    FieldLegendEntry { is_note: true, ..build_entry(text, page::draw_note_swatch) }
+    FieldLegendEntry { is_note: true, ..build_entry(format!("({text})"), |_, _| {}) }
 }

@@ -225,6 +225,9 @@ impl JointFace {
     }
 }
 
+/// Smallest slip of joints that is drawn, as a share of the largest slip of broken joints.
+const SMALLEST_VISIBLE_SHARE: f64 = 0.05;
+
 /// Creates the lines of the joints of a blocky medium: outlines of the blocks, then slipped, broken and open faces.
 /// Which sets there are depends only on the scale. Empty without joints.
 pub(super) fn create_line_sets(
@@ -253,7 +256,8 @@ pub(super) fn create_line_sets(
         own.map(line).collect()
     };
     let mut sets = vec![set(FieldLineStyle::Outline, "joints", 0.0, create_outlines(blocks))];
-    if scale.max_slip > 0.0 {
+    // Beside much larger slip of broken joints the lines would be too thin to be seen.
+    if scale.max_slip > SMALLEST_VISIBLE_SHARE * scale.max_broken_slip {
         let lines = select(JointStage::Slipped, |own| own.slip);
         sets.push(set(FieldLineStyle::Solid, "slip", scale.max_slip, lines));
     }

@@ -22,14 +22,14 @@ pub(super) fn create_piston_figure(
 ) -> PanelsFigure {
     let release = piston.release.iter().flat_map(|own| &own.waves);
     let waves: Vec<&WaveRow> = piston.waves.iter().chain(release).collect();
-    let profiles = [(String::new(), piston.profile.as_slice())];
+    let time = format_short(piston.profile_time / MILLISECOND);
+    let profiles = [(format!("profile at t = {time} ms"), piston.profile.as_slice())];
     PanelsFigure {
         title: case_title(case),
         subtitle: format!(
-            "piston of {} MPa and {} m/s; profiles at t = {} ms",
+            "piston of {} MPa and {} m/s",
             format_short(piston.pressure / MEGAPASCAL),
             format_short(piston.speed),
-            format_short(piston.profile_time / MILLISECOND),
         ),
         panels: vec![
             create_diagram_panel(found, piston, &waves),
@@ -72,6 +72,7 @@ fn create_diagram_panel(
         curves,
         reference_lines: waves.iter().map(chord).collect(),
         points: states.map(|own| [own.strain / PERCENT, own.pressure / MEGAPASCAL]).collect(),
+        point_label: "states ahead of and behind the waves".into(),
         ..CurvePanel::default()
     }
 }
@@ -180,6 +181,7 @@ pub(super) fn create_spall_figure(
             points: vec![[0.0, 0.0], [strain / PERCENT, spall.pressure / MEGAPASCAL]],
         }],
         points: vec![[0.0, 0.0], [strain / PERCENT, spall.pressure / MEGAPASCAL]],
+        point_label: "states ahead of and in the pulse".into(),
         ..CurvePanel::default()
     };
     let plane = CurvePanel {
