@@ -85,7 +85,9 @@ pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[Strin
             usage_error(found, "unknown command".to_owned(), allowed)
         }
         ErrorKind::MissingRequiredArgument => {
-            let command = C::command();
+            // Options have their forms only in a command that is built.
+            let mut command = C::command();
+            command.build();
             let inner = verb.as_deref().and_then(|verb| command.find_subcommand(verb));
             // The subcommand of a verb, such as `show` of `cases`.
             let inner = inner.and_then(|own| find_verb(own, arguments));

@@ -370,7 +370,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
         "map foam-open",
         &[
             "porous: found, but this verb takes only solids without contacts and pores; ",
-            "expected a solid without contacts and pores: use wellposed shocks",
+            "use wellposed shocks",
         ],
     ),
     // Arguments.
