@@ -58,7 +58,7 @@ fn cases_are_listed_with_their_titles() {
     }
 }
 
-/// Verifies the files of every bundled case, of simulations after the first 2 % of the duration and of flows on 64 × 64
+/// Verifies the files of every bundled case, of simulations after the first 1 % of the duration and of flows on 64 × 64
 /// points at most.
 #[test]
 fn every_bundled_case_runs() {
@@ -67,7 +67,7 @@ fn every_bundled_case_runs() {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
         fs::write(here.join(name), shrink_map_grid(text)).unwrap();
         let case = Case::load(&here.join(name), &[]).unwrap();
-        let start = |duration: f64| ("run", vec![format!("time.duration={:e}", 0.02 * duration)]);
+        let start = |duration: f64| ("run", vec![format!("time.duration={:e}", 0.01 * duration)]);
         let (verb, sets) = match case.time_domain_run() {
             Ok(TimeDomainRun::Solid(own)) => start(own.time.duration),
             Ok(TimeDomainRun::Flow(own)) => {
