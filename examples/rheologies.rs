@@ -18,7 +18,7 @@ const DIAMETER: f64 = 5e-4;
 const TIME: f64 = DIAMETER * 1.581_138_830_084_189_7;
 
 /// Number of inertial numbers from 10⁻⁴ to 10.
-const POINT_COUNT: usize = 101;
+const POINT_COUNT: usize = 401;
 
 /// Number of bisections of a step in which the curve ends, which give it as many further points.
 const BISECTION_COUNT: usize = 10;

@@ -35,9 +35,6 @@ const POINT_COUNTS: [usize; 2] = [64, 128];
 /// Limit of the colour scale, 1/s: deviation of the shear rate from its mean of 5 1/s.
 const COLOUR_LIMIT: f64 = 0.3;
 
-/// Contour lines, 1/s, solid where the deviation is positive and dashed where it is negative, which shows its sign in grey.
-const CONTOUR_LEVELS: [f64; 4] = [-0.15, -0.05, 0.05, 0.15];
-
 /// Width and height, pixels, of the left part to which a panel of 1600 × 1100 pixels is cropped before it is halved.
 const CROP_SIZE: [usize; 2] = [1400, 1100];
 
@@ -77,7 +74,8 @@ fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage,
         label: "deviation of the shear rate from its mean (1/s)".to_owned(),
         is_signed: true,
         fixed_limit: Some(COLOUR_LIMIT),
-        contour_levels: Some(CONTOUR_LEVELS.to_vec()),
+        // Numbered lines would hide the pattern of the finer grid.
+        contour_levels: Some(Vec::new()),
         ..FieldFigure::default()
     };
     let bytes = figure.draw(FigureFormat::Png)?;
