@@ -3,7 +3,7 @@
 use crate::program;
 
 use files::npz;
-use program::run_with_arguments;
+use program::{VERBS_WITH_CASE, run_with_arguments};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -248,20 +248,7 @@ fn check_command(command: &str) {
     let is_placeholder =
         |word: &&str| ["CASE", "DIR", "KIND", "NAME", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
-    let takes_case = [
-        "map",
-        "point",
-        "dispersion",
-        "diagram",
-        "homogenise",
-        "speeds",
-        "shocks",
-        "split",
-        "time",
-        "run",
-        "check",
-    ]
-    .contains(verb);
+    let takes_case = VERBS_WITH_CASE.contains(verb);
     let has_placeholder = rest.iter().any(|word| is_placeholder(&word.trim_matches(['[', ']'])));
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let out = scratch.path().join("out");

@@ -21,6 +21,21 @@ pub const JOINT_CASE: &str = include_str!("../data/program-joints.toml");
 /// Arguments that run the case in `case.toml` with a checkpoint after every batch of steps.
 pub const RUN_ARGUMENTS: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
 
+/// Verbs that take a case.
+pub const VERBS_WITH_CASE: [&str; 11] = [
+    "map",
+    "point",
+    "dispersion",
+    "diagram",
+    "homogenise",
+    "speeds",
+    "shocks",
+    "split",
+    "time",
+    "run",
+    "check",
+];
+
 /// Creates an empty folder for one test.
 pub fn create_folder(test: &str, name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test).join(name);
