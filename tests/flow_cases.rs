@@ -124,7 +124,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "tolerance = 1e-4",
         "tolerance = 1",
-        "folder/x.toml:18: time.tolerance: found the integer 1; expected a number between 0 and 1",
+        "folder/x.toml:18: time.tolerance: found 1; expected a number between 0 and 1",
     ),
     (
         "tolerance = 1e-4",
@@ -171,7 +171,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "seed = 12",
         "seed = -1",
-        "folder/x.toml:38: initial[2].seed: found the integer -1; expected a whole number of at least 0",
+        "folder/x.toml:38: initial[2].seed: found -1; expected a whole number of at least 0",
     ),
     (
         "kind = 'uniform'\nfield = 'w'",

@@ -69,7 +69,7 @@ fn invalid_polar_grids_are_refused_with_line_key_and_remedy() {
         ("outer_radius = 1", "outer_radius = 0.1", "17: grid.outer_radius: found 0.1 with inner_radius = 0.1; outer_radius must be greater than inner_radius"),
         ("outer_radius = 1", "outer_radius = 1\nspacing = 0.1", "18: grid.spacing: found beside inner_radius; leave it out: the radii and angles_deg give the cells of a polar grid"),
         ("outer_radius = 1", "outer_radius = 1\nangles_deg = [0, 400]", "18: grid.angles_deg: found [0, 400]; the second angle must be greater than the first, by at most 360"),
-        ("inner_radius = 0.1", "inner_radius = 0", "16: grid.inner_radius: found the integer 0; expected a positive number in m"),
+        ("inner_radius = 0.1", "inner_radius = 0", "16: grid.inner_radius: found 0; expected a positive number in m"),
         ("from = -30\nto = 30", "at = 0", "28: load[0].at: found a point load on a polar grid; give from and to, the ends of an arc, instead of at"),
         ("[[load]]", "[[boundary]]\nside = 'x1-'\nkind = 'free'\n[[load]]", "26: boundary[0].side: found x1- on a polar grid of the whole circle; leave it out: "),
         ("[[load]]", "[[boundary]]\nside = 'x2-'\nkind = 'periodic'\n[[load]]", "27: boundary[0].kind: found periodic on x2-, a circle of a polar grid; expected another condition"),

@@ -217,7 +217,7 @@ fn receiver_lines_and_grids_have_expected_points_and_names() {
         ),
         (
             "[[receiver]]\nfrom=[0, 0]\nto=[1, 1]\ncount=1\n",
-            "receiver[0].count: found the integer 1; expected a whole number of at least 2",
+            "receiver[0].count: found 1; expected a whole number of at least 2",
         ),
         (
             "[[receiver]]\nfrom=[0, 0]\nto=[1, 9]\ncount=3\n",

@@ -191,11 +191,7 @@ fn other_verbs_and_wrong_requests_are_refused_with_the_key() {
             "granular.friction=0.8",
             "granular.friction: found 0.8; expected at most",
         ),
-        (
-            "sand-compaction.toml",
-            "granular.friction=-1",
-            "granular.friction: found the integer -1;",
-        ),
+        ("sand-compaction.toml", "granular.friction=-1", "granular.friction: found -1;"),
     ] {
         let error = solve(name, &[set]).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\n{expected}");

@@ -247,7 +247,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
     ),
     (
         "run point-source --set time.duration=-1",
-        &["time.duration: found the integer -1; ", "expected a positive number in s"],
+        &["time.duration: found -1; ", "expected a positive number in s"],
     ),
     (
         "run point-source --set time.splitting=alternating",
@@ -292,7 +292,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
     ),
     (
         "shocks foam-open --set porous.porosity=2",
-        &["porous.porosity: found the integer 2; ", "expected a number of at least 0 and below 1"],
+        &["porous.porosity: found 2; ", "expected a number of at least 0 and below 1"],
     ),
     (
         "map noncoaxiality-bound --set map.x.parameter=pressure",

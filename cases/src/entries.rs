@@ -10,7 +10,7 @@ use super::node::{Node, NodeTable, OptionError, format_segment};
 use super::schema::{CaseSchemas, SchemaScope};
 use super::section::SectionReader;
 use super::section_schemas::{EQUATION_CASE_SCHEMAS, find_foreign_section};
-use super::value::{CaseValue, describe_value, find_similar_name, format_suggestion};
+use super::value::{CaseValue, describe_value, find_similar_name, format_allowed};
 use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
@@ -359,7 +359,7 @@ impl<'a> CaseEntries<'a> {
         let misplaced = keys().iter().find(|key| is_usable(key) && key.split_section().1 == last);
         let sought = if section.is_empty() { name } else { last };
         let meant = misplaced.map(|key| key.name).or_else(|| find_similar_name(sought, bare));
-        let allowed = format!("{}allowed here: {}", format_suggestion(meant), siblings.join(", "));
+        let allowed = format_allowed("allowed here", meant, &siblings);
         let found = if section.is_empty() { "unknown key or section" } else { "unknown key" };
         CaseError::Key { position, key: escape(shown_as), found: found.into(), allowed }
     }
@@ -584,8 +584,8 @@ pub(super) fn find_model_kind(
     ModelKind::from_name(name).ok_or_else(|| {
         let kinds = ModelKind::all_kinds().into_iter().chain([ModelKind::Equations]);
         let names: Vec<&str> = kinds.map(ModelKind::name).collect();
-        let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
+        let meant = find_similar_name(name, names.iter().copied());
         let found = format!("found '{}'", escape(name));
-        positions.key_error(key, found, format!("{meant}allowed: {}", names.join(", ")))
+        positions.key_error(key, found, format_allowed("allowed", meant, &names))
     })
 }

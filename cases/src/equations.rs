@@ -17,7 +17,7 @@ use crate::node::{Node, NodeTable, format_segment};
 use crate::numbers::CaseNumbers;
 use crate::schema::TableSchema;
 use crate::section::{SectionReader, TableWriter};
-use crate::value::{find_similar_name, format_suggestion, parse_number};
+use crate::value::{find_similar_name, format_allowed, parse_number};
 use background::BackgroundReader;
 use keys::{
     BACKGROUND_SCHEMA, DEFINITIONS_KEY, DIMENSIONS_KEY, DRIVEN_KEY, EQUATIONS_KEY, KIND_KEY,
@@ -155,7 +155,7 @@ impl EquationsCase {
                 let names = self.sweep_names();
                 let near = find_similar_name(&parameter, names.iter().map(String::as_str));
                 let found = format!("found '{}'", crate::error::escape(&parameter));
-                let allowed = format!("{}allowed: {}", format_suggestion(near), names.join(", "));
+                let allowed = format_allowed("allowed", near, &names);
                 table.key_error("parameter", found, allowed)
             })?;
             table.finish()?;
@@ -483,7 +483,7 @@ fn refuse_unused_options(
             let near = find_similar_name(&slot.key, names.iter().copied());
             let allowed = match names.is_empty() {
                 true => "leave it out: no equation has a parameter".to_owned(),
-                false => format!("{}allowed: {}", format_suggestion(near), names.join(", ")),
+                false => format_allowed("allowed", near, &names),
             };
             Err(positions.key_error(&slot.key, "used by no equation", allowed))
         }

@@ -8,7 +8,7 @@ use super::kind::MediumKind;
 use super::named_enum::named_enum;
 use super::numbers::CaseNumbers;
 use super::scalar_keys::wave_number_error;
-use super::value::{CaseValue, find_similar_name, format_suggestion};
+use super::value::{CaseValue, find_similar_name, format_allowed};
 use models::common::decimal::{format_distinct, format_exact};
 use models::common::elementary::Elementary;
 
@@ -231,8 +231,8 @@ fn read_sweep(
             SweepSpacing::ALL.iter().find(|own| own.name() == name).copied().ok_or_else(|| {
                 let names: Vec<&str> = SweepSpacing::ALL.iter().map(|own| own.name()).collect();
                 let found = format!("found '{}'", escape(name));
-                let near = format_suggestion(find_similar_name(name, names.iter().copied()));
-                let allowed = format!("{near}allowed: {}", names.join(", "));
+                let near = find_similar_name(name, names.iter().copied());
+                let allowed = format_allowed("allowed", near, &names);
                 entries.positions.key_error(spacing_key, found, allowed)
             })?
         }
@@ -309,7 +309,7 @@ fn unknown_parameter_error(
         .collect();
     let shown = escape(name);
     let component = SweepParameter::find_by_name(name).map(SweepParameter::key);
-    let mut meant = String::new();
+    let mut meant = None;
     let found = match Key::find_by_name(name).or(component) {
         Some(key) if !key.is_used_by_kind(medium.kind) => {
             format!("found '{shown}', not used by the model {}", medium.kind.name())
@@ -318,15 +318,13 @@ fn unknown_parameter_error(
             format!("found '{shown}', not used by {}", medium.title())
         }
         Some(_) => {
-            meant = format_suggestion(
-                names.iter().map(String::as_str).find(|own| own.starts_with(name)),
-            );
+            meant = names.iter().map(String::as_str).find(|own| own.starts_with(name));
             format!("found '{shown}', not a single number")
         }
         None => {
-            meant = format_suggestion(find_similar_name(name, names.iter().map(String::as_str)));
+            meant = find_similar_name(name, names.iter().map(String::as_str));
             format!("found '{shown}'")
         }
     };
-    entries.positions.key_error(key, found, format!("{meant}allowed: {}", names.join(", ")))
+    entries.positions.key_error(key, found, format_allowed("allowed", meant, &names))
 }

@@ -7,7 +7,7 @@ use super::keys::{Key, Presence, keys};
 use super::kind::{MediumKind, ModelKind, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
 use super::types::{MAX_NAME_LENGTH, is_name_too_long};
-use super::value::{CaseValue, find_similar_name, format_suggestion};
+use super::value::{CaseValue, find_similar_name, format_allowed, format_suggestion};
 use models::common::decimal::format_exact;
 use models::registry;
 use std::path::Path;
@@ -72,9 +72,9 @@ pub(super) fn read_yield_set(
     found.map(Some).ok_or_else(|| {
         let names: Vec<&str> =
             sets.iter().map(|set| set.name).chain(elastic_names.iter().copied()).collect();
-        let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
+        let meant = find_similar_name(name, names.iter().copied());
         let found = format!("found '{}'", escape(name));
-        let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
+        let allowed = format_allowed(&format!("allowed for {}", kind.name()), meant, &names);
         entries.positions.key_error(YIELD_KIND_KEY, found, allowed)
     })
 }
@@ -107,8 +107,8 @@ pub(super) fn read_active_conditions(
     for name in names {
         let found = format!("found '{}'", escape(name));
         let Some(index) = known.iter().position(|known| *known == name.as_str()) else {
-            let meant = format_suggestion(find_similar_name(name, known.iter().copied()));
-            let allowed = format!("{meant}allowed: {}", known.join(", "));
+            let meant = find_similar_name(name, known.iter().copied());
+            let allowed = format_allowed("allowed", meant, &known);
             return Err(entries.positions.key_error(YIELD_ACTIVE_KEY, found, allowed));
         };
         // The conditions on the positive and the negative sign of one stress are both active only if stress and
@@ -140,7 +140,10 @@ pub(super) fn read_numbers(
     {
         let namesake =
             keys().iter().find(|k| is_used(k) && k.split_section().1 == key.split_section().1);
-        let meant = format_suggestion(namesake.map(|key| key.name));
+        let meant = namesake.map(|key| key.name).or_else(|| {
+            find_similar_name(key.name, keys().iter().filter(|k| is_used(k)).map(|key| key.name))
+        });
+        let meant = format_suggestion(meant);
         let of_kind = media.iter().any(|medium| key.is_used_by_kind(medium.kind));
         let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yield_set) {
             (true, None) => ("an elastic solid".into(), key.yield_set_names()),
@@ -223,8 +226,8 @@ pub(super) fn read_compared_kinds(
                     Some(_) => (", a solid", None),
                     None => ("", similar),
                 };
-                let allowed =
-                    format!("{}allowed: {}", format_suggestion(meant), join_names(&flows));
+                let names: Vec<&str> = flows.iter().map(|kind| kind.name()).collect();
+                let allowed = format_allowed("allowed", meant, &names);
                 let found = format!("found '{}'{note}", escape(name));
                 return Err(entries.positions.key_error(COMPARE_KINDS_KEY, found, allowed));
             };

@@ -3,7 +3,7 @@
 use super::error::{CaseError, SourcePosition, escape};
 use super::key_positions::KeyPositions;
 use super::node::{Node, NodeTable, format_segment};
-use super::value::{CaseValue, find_similar_name, format_suggestion};
+use super::value::{CaseValue, find_similar_name, format_allowed};
 use crate::schema::{
     KeyCondition, KeyPresence, KeySchema, SchemaScope, TableLayout, TableSchema, ValueType,
 };
@@ -264,9 +264,9 @@ impl<'a> SectionReader<'a> {
         found: &str,
         names: &[impl AsRef<str>],
     ) -> CaseError {
-        let meant = format_suggestion(find_similar_name(found, names.iter().map(AsRef::as_ref)));
+        let meant = find_similar_name(found, names.iter().map(AsRef::as_ref));
         let found = format!("found '{}'", escape(found));
-        self.key_error(name, found, format!("{meant}allowed: {}", join_with_commas(names)))
+        self.key_error(name, found, format_allowed("allowed", meant, names))
     }
 
     /// Returns the reader of a required subsection.
@@ -400,11 +400,8 @@ impl<'a> SectionReader<'a> {
         });
         match owner.filter(|_| is_top_level) {
             Some(owner) => {
-                let allowed = format!(
-                    "did you mean '{}.{name}'? allowed here: {}",
-                    owner.name,
-                    join_with_commas(names)
-                );
+                let meant = format!("{}.{name}", owner.name);
+                let allowed = format_allowed("allowed here", Some(&meant), names);
                 self.key_error(&format_segment(name), "unknown key", allowed)
             }
             None => self.unknown_key_error(name, names),
@@ -436,8 +433,8 @@ impl<'a> SectionReader<'a> {
 
     /// Returns the error of an unknown key.
     pub(super) fn unknown_key_error(&self, name: &str, names: &[impl AsRef<str>]) -> CaseError {
-        let meant = format_suggestion(find_similar_name(name, names.iter().map(AsRef::as_ref)));
-        let allowed = format!("{meant}allowed here: {}", join_with_commas(names));
+        let meant = find_similar_name(name, names.iter().map(AsRef::as_ref));
+        let allowed = format_allowed("allowed here", meant, names);
         self.key_error(&format_segment(name), "unknown key", allowed)
     }
 }

@@ -1,6 +1,7 @@
 //! Typed values from TOML, their descriptions in messages, and suggestions for misspelt names.
 
 use super::error::escape;
+use super::section::join_with_commas;
 use std::fmt::{Display, Formatter};
 use toml::de::{DeArray, DeInteger, DeValue};
 
@@ -153,15 +154,15 @@ pub(super) fn describe_value(value: &DeValue) -> String {
         DeValue::Integer(integer) => {
             let digits = escape(&integer.to_string());
             match parse_number(value) {
-                Some(_) => format!("the integer {digits}"),
+                Some(_) => digits,
                 None if !has_digits(integer) => format!("'{digits}', which is not a number"),
-                None => format!("the integer {digits}, too large to be exact; write it as 1e20"),
+                None => format!("{digits}, too large to be exact; write it as 1e20"),
             }
         }
         DeValue::Float(float) => {
             let digits = escape(float.as_str());
             match parse_number(value) {
-                Some(_) => format!("the number {digits}"),
+                Some(_) => digits,
                 None => format!("{digits}, which is not finite"),
             }
         }
@@ -228,7 +229,8 @@ fn to_usual_name(name: &str) -> &str {
 }
 
 /// Computes the similarity, 0 to 1, of a misspelt name and a candidate: the normalised Damerau–Levenshtein similarity to
-/// the candidate, or, slightly less, to the start of a longer one, so that `fricton` is similar to `friction_angle_deg`.
+/// the candidate, or, slightly less, to the start of a longer one, so that `fricton` is similar to `friction_angle_deg`, and
+/// to its last words, so that `friction` is similar to `shear_friction`.
 /// Names in the same section are compared without it, a name without a section also with the last part of the candidate,
 /// and the section of a name also with a candidate without section.
 fn name_similarity(name: &str, candidate: &str) -> f64 {
@@ -255,6 +257,10 @@ fn last_part_similarity(name: &str, candidate: &str) -> f64 {
     let length = name.chars().count();
     let start = |length: usize| candidate.chars().take(length).collect::<String>();
     let whole = similarity(name, candidate);
+    // The last words of a longer name.
+    if length >= MIN_START_LENGTH && candidate.ends_with(&format!("_{name}")) {
+        return START_WEIGHT.max(whole);
+    }
     if candidate.chars().nth(length).is_none() {
         return whole;
     }
@@ -271,6 +277,22 @@ pub(super) fn format_suggestion(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
 }
 
+/// Formats the allowed names for messages, after the suggestion `meant`; a long list only where there is no suggestion.
+/// `label` is "allowed", "allowed here" or the like.
+pub(super) fn format_allowed(
+    label: &str,
+    meant: Option<&str>,
+    names: &[impl AsRef<str>],
+) -> String {
+    const MAX_LISTED_BESIDE_SUGGESTION: usize = 12;
+    match meant {
+        Some(meant) if names.len() > MAX_LISTED_BESIDE_SUGGESTION => {
+            format!("did you mean '{meant}', one of {} {label}?", names.len())
+        }
+        _ => format!("{}{label}: {}", format_suggestion(meant), join_with_commas(names)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -283,6 +305,25 @@ mod tests {
             find_similar_name("time.cfl", ["time.duration", "time.courant"]),
             Some("time.courant")
         );
+    }
+
+    #[test]
+    fn last_words_of_a_name_find_it() {
+        let names = ["yield.shear_strength", "yield.shear_friction", "yield.shear_dilatancy"];
+        assert_eq!(find_similar_name("yield.friction", names), Some("yield.shear_friction"));
+    }
+
+    #[test]
+    fn long_lists_are_left_out_beside_a_suggestion() {
+        let names: Vec<String> = (1..=20).map(|n| format!("name{n}")).collect();
+        let (few, near) = (&names[..2], Some("name1"));
+        assert_eq!(
+            format_allowed("allowed", near, few),
+            "did you mean 'name1'? allowed: name1, name2"
+        );
+        let found = format_allowed("allowed here", near, &names);
+        assert_eq!(found, "did you mean 'name1', one of 20 allowed here?");
+        assert!(format_allowed("allowed", None, &names).ends_with("name19, name20"));
     }
 
     #[test]

@@ -344,11 +344,7 @@ fn invalid_keys_of_blocks_are_refused() {
             "block[0].cells: found [0, 10]; expected a list of 2 whole numbers",
         ),
         ("cells = [10, 10]", "cells = [10, 10, 10]", "block[0].cells: found"),
-        (
-            "spacing = 0.005",
-            "spacing = -1",
-            "block[0].spacing: found the integer -1; expected a positive",
-        ),
+        ("spacing = 0.005", "spacing = -1", "block[0].spacing: found -1; expected a positive"),
         ("repeat = [3, 2]", "repeat = [3, 0]", "block[0].repeat: found"),
         ("repeat = [3, 2]", "repeat = [2000000, 1]", "copies; expected at most 1000000 blocks"),
         ("cells = [10, 10]", "cells = [100000, 100000]", "expected at most 4000000000 cells"),
@@ -422,7 +418,7 @@ fn invalid_joints_are_refused() {
         ),
         (
             elastic.replace("thickness = 1e-3", "thickness = 0"),
-            "joint[0].thickness: found the integer 0; expected a positive",
+            "joint[0].thickness: found 0; expected a positive",
         ),
         (elastic.replace("thickness = 1e-3\n", ""), "joint[0].thickness: missing"),
         (elastic.replace("'elastic'", "'elastc'"), "did you mean 'elastic'?"),

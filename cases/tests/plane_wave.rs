@@ -114,25 +114,10 @@ fn regions_inherit_contacts_unless_they_have_none() {
 #[test]
 fn wrong_sections_are_refused_with_line_and_key() {
     for (text, old, new, expected) in [
-        (
-            POROUS,
-            "porosity = 0.01",
-            "porosity = 1",
-            "x.toml:8: porous.porosity: found the integer 1; expected",
-        ),
-        (
-            POROUS,
-            "porosity = 0.01",
-            "porosity = -0.1",
-            "x.toml:8: porous.porosity: found the number -0.1;",
-        ),
-        (
-            POROUS,
-            "= 4e9",
-            "= -4e9",
-            "x.toml:10: porous.contact_bulk_modulus: found the number -4e9;",
-        ),
-        (POROUS, "= 4e7", "= 0", "x.toml:9: porous.yield_stress: found the integer 0;"),
+        (POROUS, "porosity = 0.01", "porosity = 1", "x.toml:8: porous.porosity: found 1; expected"),
+        (POROUS, "porosity = 0.01", "porosity = -0.1", "x.toml:8: porous.porosity: found -0.1;"),
+        (POROUS, "= 4e9", "= -4e9", "x.toml:10: porous.contact_bulk_modulus: found -4e9;"),
+        (POROUS, "= 4e7", "= 0", "x.toml:9: porous.yield_stress: found 0;"),
         (POROUS, "porosity = 0.01\n", "", "porous.porosity: missing; add porosity to [porous]"),
         (POROUS, "porosity", "porositi", "porous.porosity: missing;"),
         (POROUS, "[piston]\npressure = 1e9\n", "", "porous: found without a load; add"),
@@ -149,12 +134,7 @@ fn wrong_sections_are_refused_with_line_and_key() {
             "pressure = 1e9\nloosening = 0.1",
             "x.toml:13: piston.loosening:",
         ),
-        (
-            POROUS,
-            "pressure = 1e9",
-            "pressure = 0",
-            "x.toml:12: piston.pressure: found the integer 0;",
-        ),
+        (POROUS, "pressure = 1e9", "pressure = 0", "x.toml:12: piston.pressure: found 0;"),
         (
             POROUS,
             "[piston]",
@@ -221,12 +201,7 @@ fn wrong_sections_are_refused_with_line_and_key() {
             "kind = 'reduced-cosserat'\nalpha = 1e9\ninertia = 1",
             "porous: not used by the model reduced-cosserat;",
         ),
-        (
-            GRANULAR,
-            "friction = 0.5",
-            "friction = -0.5",
-            "x.toml:8: granular.friction: found the number -0.5;",
-        ),
+        (GRANULAR, "friction = 0.5", "friction = -0.5", "x.toml:8: granular.friction: found -0.5;"),
         (
             GRANULAR,
             "friction = 0.5",

@@ -213,13 +213,13 @@ fn invalid_settings_are_refused() {
         ),
         (
             "load[0]=1",
-            "load[0]: found the integer 1; expected load[0].KEY, or a table in braces { key = value }",
+            "load[0]: found 1; expected load[0].KEY, or a table in braces { key = value }",
         ),
-        ("grid=1", "grid: found the integer 1; expected a section [grid]"),
-        ("load=1", "load: found the integer 1; expected sections [[load]]"),
+        ("grid=1", "grid: found 1; expected a section [grid]"),
+        ("load=1", "load: found 1; expected sections [[load]]"),
         (
             "time.courant=1.5",
-            "time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant \
+            "time.courant: found 1.5; expected a number above 0 and at most 1 (Courant \
              number): a sweep is unstable above 1",
         ),
         (
