@@ -56,9 +56,12 @@ impl BackendConventions {
         let from_start = Text { anchor: Anchor::Start, ..text.clone() };
         for run in runs {
             let size = run.scale * text.font_size;
-            let place = [offset, run.rise * text.font_size];
-            self.draw_run(backend, &from_start, &run.content, size, place)?;
-            offset += run_width(&run.content, size, text.is_bold);
+            let end = offset + run_width(&run.content, size, text.is_bold);
+            // Viewers of SVG ignore spaces at the start of an element.
+            let visible = run.content.trim_start();
+            let start = end - run_width(visible, size, text.is_bold);
+            self.draw_run(backend, &from_start, visible, size, [start, run.rise * text.font_size])?;
+            offset = end;
         }
         Ok(())
     }
