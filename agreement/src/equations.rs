@@ -17,7 +17,7 @@ use analysis::equations::EquationsWorkspace;
 use analysis::pencil::PencilRoots;
 use evolution::{Evolution, follow_wave};
 use models::LinearisedSystem;
-use models::common::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, Modulus, cr_cis};
 use models::equations::{
     EvaluationError, JetVariable, MultiIndex, TextModel, TextState, TextWorkspace,
 };
@@ -144,7 +144,7 @@ fn to_wave_vector(k: f64, direction: f64, elevation: f64) -> [f64; 3] {
 
 /// Largest modulus of the roots at a wave, 1/s: a rate at which terms with time derivatives matter; 1 without roots.
 fn largest_rate(roots: Option<&[Complex64]>) -> f64 {
-    let found = roots.unwrap_or(&[]).iter().map(|root| root.norm()).fold(0.0, f64::max);
+    let found = roots.unwrap_or(&[]).iter().map(|root| root.modulus()).fold(0.0, f64::max);
     if found > 0.0 && found.is_finite() { found } else { 1.0 }
 }
 
@@ -166,7 +166,7 @@ fn compare_wave(
                 // The rounding of the coefficients, and that of the residual divided by the amplitude, is no
                 // disagreement.
                 Some((found, noise)) => {
-                    let (difference, allowance) = ((found - value).norm(), noise + rounding);
+                    let (difference, allowance) = ((found - value).modulus(), noise + rounding);
                     let is_accurate = allowance < 0.1 * SYMBOL_TOLERANCE * size;
                     let excess =
                         if is_accurate { difference } else { (difference - allowance).max(0.0) };
@@ -198,8 +198,8 @@ fn symbol_entry(
         terms.push((rate.powu(term.time_power.into()) * space, term.coefficient));
     }
     let value = terms.iter().map(|(factor, own)| factor * own.value).sum();
-    let size = terms.iter().map(|(factor, own)| factor.norm() * own.value.abs()).sum();
-    let rounding = terms.iter().map(|(factor, own)| factor.norm() * own.bound).sum();
+    let size = terms.iter().map(|(factor, own)| factor.modulus() * own.value.abs()).sum();
+    let rounding = terms.iter().map(|(factor, own)| factor.modulus() * own.bound).sum();
     (value, size, rounding)
 }
 
@@ -224,7 +224,7 @@ impl Estimate {
             return;
         }
         let extrapolated = (4.0 * narrow - wide) / 3.0;
-        let difference = (narrow - wide).norm() / 3.0;
+        let difference = (narrow - wide).modulus() / 3.0;
         let change = difference + noise;
         self.has_left_range = self.best.is_some()
             && difference > RANGE_FACTOR * noise
@@ -278,7 +278,7 @@ impl<'a> PerturbedResidual<'a> {
         // Smaller changes would be lost to the rounding of the background's own value and derivatives.
         let own = self.state.background.iter().filter(|(variable, _)| variable.unknown == column);
         let smallest = own
-            .map(|(variable, value)| (value.value.abs(), derivative(variable.orders).norm()))
+            .map(|(variable, value)| (value.value.abs(), derivative(variable.orders).modulus()))
             .filter(|(_, factor)| *factor > 0.0)
             .map(|(size, factor)| 1e-10 * size / factor)
             .fold(0.0, f64::max);

@@ -1,6 +1,6 @@
 //! Least-squares fits of complex frequencies to amplitudes, and their extrapolation to zero cell size.
 
-use models::common::elementary::{Elementary, cr_arg};
+use models::common::elementary::{Elementary, Modulus, cr_arg};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::ops::Sub;
@@ -55,8 +55,8 @@ pub fn fit_rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
         phases.push(phase);
     }
     // Normalised by the first modulus, so that the logarithms do not depend on the unit.
-    let first = amplitudes.first().map_or(1.0, |own| own.norm());
-    let logarithms: Vec<f64> = amplitudes.iter().map(|a| (a.norm() / first).cr_ln()).collect();
+    let first = amplitudes.first().map_or(1.0, |own| own.modulus());
+    let logarithms: Vec<f64> = amplitudes.iter().map(|a| (a.modulus() / first).cr_ln()).collect();
     Rate { frequency: -fit_slope(times, &phases), growth_rate: fit_slope(times, &logarithms) }
 }
 

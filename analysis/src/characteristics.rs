@@ -7,7 +7,7 @@
 
 use crate::form::BinaryForm;
 use crate::{polynomial, roots};
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -277,8 +277,8 @@ fn complex_roots(form: &BinaryForm, count: usize) -> Vec<Complex64> {
     // F(ξ₁, ξ₂) = 0 with ξ₂ = t ξ₁, and tan of the characteristic is −ξ₁/ξ₂ = −1/t.
     let mut polynomial: Vec<Complex64> =
         form.coefficients.iter().map(|f| Complex64::from(f.value)).collect();
-    let size = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
-    while polynomial.last().is_some_and(|c| c.norm() <= 1e-15 * size) {
+    let size = polynomial.iter().map(|c| c.modulus()).fold(0.0, f64::max);
+    while polynomial.last().is_some_and(|c| c.modulus() <= 1e-15 * size) {
         polynomial.pop();
     }
     let mut found = roots::solve(&polynomial);

@@ -7,7 +7,7 @@
 
 use crate::dense::eigenvalues;
 use models::LinearisedSystem;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::common::product::{product, triple_product};
 use models::common::rates::RateEquations;
 use models::common::system::RoundedMatrix;
@@ -119,7 +119,7 @@ fn max_growth<const D: usize>(
             let k = wave_number * 10f64.powi(decade);
             let symbol = local.zip_map(&along, |c, b| Complex64::new(c, k * b));
             let Some(roots) = eigenvalues(symbol) else { return f64::NAN };
-            let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
+            let largest = roots.iter().map(|root| root.modulus()).fold(0.0, f64::max);
             let grows = roots.iter().map(|root| root.re.abs()).fold(0.0, f64::max);
             worst = worst.max(grows / largest);
         }

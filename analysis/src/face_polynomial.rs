@@ -10,10 +10,10 @@ use crate::newton_polygon::gcd;
 use crate::puiseux::{BoundedRoot, binomial, solve_nonzero_roots};
 use crate::roots;
 use crate::rounded_complex::RoundedComplex;
-use models::common::elementary::{Elementary, cr_arg, cr_from_polar};
+use models::common::elementary::{Elementary, Modulus, cr_arg, cr_cis, cr_from_polar};
 use num_complex::Complex64;
 use std::cell::OnceCell;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// A face polynomial E(c, α) = Σ f_il cⁱ cos^(r−l) α sin^l α, where f_il is `coefficients[i][l]` and r is the degree of
 /// form i.
@@ -57,7 +57,7 @@ impl FacePolynomial {
             for (l, &f) in form.iter().enumerate() {
                 let monomial = cos.powi((degree - l) as i32) * sin.powi(l as i32);
                 let rounding = 2.0 * degree as f64 * f64::EPSILON * monomial.abs();
-                sum += f * RoundedComplex::new(monomial.into(), rounding);
+                sum += f.scale(monomial, rounding);
             }
             sum
         };
@@ -91,7 +91,7 @@ impl FacePolynomial {
         let plain: StackList<Complex64> = form[first..end].iter().map(|c| c.value).collect();
         roots::solve(&plain)
             .into_iter()
-            .filter(|t| t.im.abs() <= 1e-7 * t.norm())
+            .filter(|t| t.im.abs() <= 1e-7 * t.modulus())
             .map(|t| t.re.cr_atan().rem_euclid(PI))
             .collect()
     }
@@ -171,8 +171,8 @@ impl FacePolynomial {
         None
     }
 
-    /// Climbs from `start` to a local maximum of Re c over the angle, a zero of the derivative, by bisection and secant
-    /// steps; returns Re c and the angle. Without a bracketed zero, as at a kink, the climb ends there.
+    /// Climbs from `start` to a local maximum of Re c over the angle, a zero of the derivative, by the Illinois
+    /// method (Dowell & Jarratt 1971); returns Re c and the angle. Without a bracketed zero, as at a kink, the climb ends there.
     fn locate_local_maximum(&self, start: f64) -> (f64, f64) {
         let slope = |angle: f64| -> (f64, f64) {
             let Some(root) = self
@@ -215,19 +215,25 @@ impl FacePolynomial {
         let Some((mut b, mut fb)) = bracket else {
             return (slope(a).0, a);
         };
+        let mut is_left_replaced = None;
         for round in 0..60 {
             if (b - a).abs() <= 1e-15 * a.abs().max(1e-3) {
                 break;
             }
             let secant = (a * fb - b * fa) / (fb - fa);
             let inside = (secant - a) * (secant - b) < 0.0;
-            let middle = if inside && round % 3 != 2 { secant } else { 0.5 * (a + b) };
+            // Bisection now and then, since the derivative jumps where the largest root is on another branch.
+            let middle = if inside && round % 5 != 4 { secant } else { 0.5 * (a + b) };
             let (_, f) = slope(middle);
-            if f * rise > 0.0 {
-                (a, fa) = (middle, f);
+            // An end that stays twice counts half.
+            let is_left = f * rise > 0.0;
+            let weight = if is_left_replaced == Some(is_left) { 0.5 } else { 1.0 };
+            if is_left {
+                (a, fa, fb) = (middle, f, weight * fb);
             } else {
-                (b, fb) = (middle, f);
+                (b, fb, fa) = (middle, f, weight * fa);
             }
+            is_left_replaced = Some(is_left);
         }
         let top = if slope(a).0 >= slope(b).0 { a } else { b };
         (slope(top).0, top)
@@ -391,7 +397,7 @@ fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
     let mut determinant = Complex64::ONE;
     for column in 0..2 * n {
         let pivot = (column..2 * n)
-            .max_by(|&a, &b| matrix[a][column].norm().total_cmp(&matrix[b][column].norm()))
+            .max_by(|&a, &b| matrix[a][column].modulus().total_cmp(&matrix[b][column].modulus()))
             .unwrap_or(column);
         if matrix[pivot][column] == Complex64::ZERO {
             return Complex64::ZERO;
@@ -421,25 +427,28 @@ fn trigonometric_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> StackList<
     let angle = |n: usize| PI * (n as f64 + SAMPLE_OFFSET) / terms as f64;
     let values: StackList<Complex64> =
         (0..terms).map(|n| f(angle(n)) * cr_from_polar(1.0, half * angle(n))).collect();
-    let size = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let size = values.iter().map(|v| v.modulus()).fold(0.0, f64::max);
     if size == 0.0 || !size.is_finite() {
         return StackList::new();
     }
+    // exp(−2imθ) of the angle n is the power mn of a root of unity times a factor of m.
+    let part = |n: f64| TAU * n / terms as f64;
+    let unity: StackList<Complex64, 32> = (0..terms).map(|n| cr_cis(-part(n as f64))).collect();
     let mut coefficients: StackList<Complex64> = (0..terms)
         .map(|m| {
-            let turn = |n: usize| cr_from_polar(1.0, -2.0 * m as f64 * angle(n));
-            let sum: Complex64 = values.iter().enumerate().map(|(n, v)| v * turn(n)).sum();
-            sum / (terms as f64 * size)
+            let turns = (0..terms).map(|n| unity[m * n % terms]);
+            let sum: Complex64 = values.iter().zip(turns).map(|(v, turn)| v * turn).sum();
+            sum * cr_cis(-part(m as f64 * SAMPLE_OFFSET)) / (terms as f64 * size)
         })
         .collect();
-    let greatest = coefficients.iter().map(|c| c.norm()).fold(0.0, f64::max);
-    while coefficients.last().is_some_and(|c| c.norm() <= 1e-14 * greatest) {
+    let greatest = coefficients.iter().map(|c| c.modulus()).fold(0.0, f64::max);
+    while coefficients.last().is_some_and(|c| c.modulus() <= 1e-14 * greatest) {
         coefficients.pop();
     }
-    let first = coefficients.iter().take_while(|c| c.norm() <= 1e-14 * greatest).count();
+    let first = coefficients.iter().take_while(|c| c.modulus() <= 1e-14 * greatest).count();
     roots::solve(&coefficients[first.min(coefficients.len())..])
         .into_iter()
-        .filter(|z| (z.norm() - 1.0).abs() < UNIT_CIRCLE_TOLERANCE)
+        .filter(|z| (z.modulus() - 1.0).abs() < UNIT_CIRCLE_TOLERANCE)
         .map(|z| (0.5 * cr_arg(z)).rem_euclid(PI))
         .collect()
 }

@@ -9,6 +9,7 @@ use crate::puiseux::{self, Monomial};
 use crate::roots;
 use crate::rounded_complex::{RoundedComplex, imaginary_power};
 use models::Rounded;
+use models::common::elementary::Modulus;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -152,7 +153,7 @@ pub(crate) fn find_pole(certain: &[DispersionTerm], directions: &[f64]) -> Optio
             let value = term.form.evaluate_at_angle(direction).value;
             polynomial[degree] += imaginary_power(term.form.degree() as i64) * value;
         }
-        while polynomial.last().is_some_and(|c| c.norm() == 0.0) {
+        while polynomial.last().is_some_and(|c| c.modulus() == 0.0) {
             polynomial.pop();
         }
         let is_real = |k: &Complex64| k.re > 0.0 && k.im.abs() <= 1e-9 * k.re;
@@ -160,7 +161,7 @@ pub(crate) fn find_pole(certain: &[DispersionTerm], directions: &[f64]) -> Optio
             [1e-6, -1e-6].into_iter().any(|offset| {
                 let beside = k.re * (1.0 + offset);
                 let root = -coefficient(highest - 1, beside) / coefficient(highest, beside);
-                root.re > 1e-3 * root.norm() && root.re > 0.0
+                root.re > 1e-3 * root.modulus() && root.re > 0.0
             })
         })
     })

@@ -7,7 +7,7 @@
 //! pencil.
 
 use models::LinearisedSystem;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::common::rounding::Rounded;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -86,7 +86,7 @@ impl KelvinEvolution {
             matrix.row_mut(row).iter_mut().for_each(|entry| *entry *= factor);
         };
         for row in 0..size {
-            let greatest = left.row(row).iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+            let greatest = left.row(row).iter().map(|entry| entry.modulus()).fold(0.0, f64::max);
             scale(&mut left, row, 1.0 / greatest);
             scale(&mut right, row, 1.0 / greatest);
         }
@@ -190,10 +190,11 @@ fn balance_matrix(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f6
         let mut is_settled = true;
         for i in 0..size {
             let others = || (0..size).filter(|j| *j != i);
-            let column = others().map(|j| matrix[(j, i)].norm()).fold(0.0, f64::max);
-            let row = others().map(|j| matrix[(i, j)].norm()).fold(0.0, f64::max);
+            let column = others().map(|j| matrix[(j, i)].modulus()).fold(0.0, f64::max);
+            let row = others().map(|j| matrix[(i, j)].modulus()).fold(0.0, f64::max);
             // If one of the norms is zero, scale the other to the largest diagonal entry.
-            let diagonal = (0..size).map(|j| matrix[(j, j)].norm()).fold(0.0, f64::max).cr_log2();
+            let diagonal =
+                (0..size).map(|j| matrix[(j, j)].modulus()).fold(0.0, f64::max).cr_log2();
             let power = match (row.cr_log2(), column.cr_log2()) {
                 (row, f64::NEG_INFINITY) => row - diagonal,
                 (f64::NEG_INFINITY, column) => diagonal - column,
@@ -215,7 +216,7 @@ fn balance_matrix(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f6
             break;
         }
     }
-    let greatest = matrix.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+    let greatest = matrix.iter().map(|entry| entry.modulus()).fold(0.0, f64::max);
     let unit = if greatest > 0.0 { greatest.cr_log2().round().cr_exp2() } else { 1.0 };
     (matrix.unscale(unit), scales, unit)
 }

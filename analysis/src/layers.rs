@@ -17,7 +17,7 @@ use crate::puiseux::{self, BoundedRoot, Monomial, UNDECIDED_RELATIVE_BOUND, bino
 use crate::root_collisions::{RootCollision, find_collisions};
 use crate::rounded_complex::RoundedComplex;
 use models::Rounded;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use num_complex::Complex64;
 use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -361,7 +361,7 @@ fn continue_facet_roots(
         for RootCollision { angle, root, is_accurate } in find_collisions(face, angle) {
             if !is_off_axes(&angle)
                 || !root.is_neutral()
-                || root.bound > UNDECIDED_RELATIVE_BOUND * root.value.norm()
+                || root.bound > UNDECIDED_RELATIVE_BOUND * root.value.modulus()
             {
                 continue;
             }
@@ -399,7 +399,7 @@ fn normalise_triangle(facet: &Facet) -> Option<(TriangularFacet, f64)> {
     };
     let normal = TriangularFacet([quarter(p)?, quarter(q)?, quarter(r)?]);
     // x log c + y log d + log |value| must be equal at all three terms.
-    let log = |p: ChartTerm| p.value.value.norm().cr_ln();
+    let log = |p: ChartTerm| p.value.value.modulus().cr_ln();
     let row = |s: ChartTerm| {
         [s.x_power as f64 - p.x_power as f64, s.y_power as f64 - p.y_power as f64, log(p) - log(s)]
     };

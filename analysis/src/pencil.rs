@@ -13,7 +13,7 @@ use crate::polynomial::DispersionPolynomial;
 use crate::qz::{self, Qz};
 use crate::scaling::ScaledSystem;
 use models::LinearisedSystem;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use num_complex::Complex64;
 
 /// Roots of the dispersion relation at one wave vector.
@@ -88,7 +88,7 @@ impl Pencil {
         let mut largest = None;
         for rank in 0..rows.min(columns) {
             let places = (rank..rows).flat_map(|i| (rank..columns).map(move |j| (i, j)));
-            let size = |&(i, j): &(usize, usize)| matrix[i][j].norm();
+            let size = |&(i, j): &(usize, usize)| matrix[i][j].modulus();
             let pivot = places.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or((rank, rank));
             let found = size(&pivot);
             if found <= 1e-13 * *largest.get_or_insert(found) {
@@ -122,7 +122,7 @@ impl Pencil {
         let count = self.polynomial.coefficients_at(k, direction).len() - 1;
         let mut guesses = self.generalised_eigenvalues(k, direction);
         // Infinite eigenvalues sort last.
-        guesses.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        guesses.sort_by(|a, b| a.modulus().total_cmp(&b.modulus()));
         guesses.truncate(count);
         let mut finite = self.polynomial.roots(k, direction, &guesses);
         finite.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));

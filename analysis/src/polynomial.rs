@@ -10,7 +10,7 @@ use crate::form::BinaryForm;
 use crate::list::StackList;
 use crate::scaling::ScaledSystem;
 use crate::{AnalysisError, roots};
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::common::system::{HigherTerm, Unknown};
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
@@ -427,7 +427,7 @@ impl DispersionPolynomial {
             let beside = Complex64::new(0.0, root.im);
             let (value, _) = roots::evaluate_extended(&coefficients, beside);
             let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.im.abs() + own);
-            root.re > 0.0 && value.norm() > ROUNDING_MARGIN * bound
+            root.re > 0.0 && value.modulus() > ROUNDING_MARGIN * bound
         };
         let roots = roots::solve_extended(&coefficients, &[]);
         roots.iter().filter(|root| is_certain(root)).fold(0.0, |sum: f64, own| sum.max(own.re))
@@ -440,9 +440,9 @@ impl DispersionPolynomial {
         let (coefficients, bounds) = self.bounded_coefficients_at(k, direction);
         let is_certain = |root: &Complex64| {
             let (_, slope) = roots::evaluate_extended(&coefficients, *root);
-            let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.norm() + own);
-            let error = bound + f64::EPSILON * root.norm() * slope.norm();
-            root.re > 0.0 && root.re * slope.norm() > ROUNDING_MARGIN * error
+            let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.modulus() + own);
+            let error = bound + f64::EPSILON * root.modulus() * slope.modulus();
+            root.re > 0.0 && root.re * slope.modulus() > ROUNDING_MARGIN * error
         };
         let roots = roots::solve_extended(&coefficients, &[]);
         roots.iter().filter(|root| is_certain(root)).fold(0.0, |sum: f64, own| sum.max(own.re))

@@ -5,6 +5,7 @@ use crate::list::{StackList, list};
 use crate::newton_polygon::{GrowthOrder, newton_polygon_corners};
 use crate::roots;
 use crate::rounded_complex::RoundedComplex;
+use models::common::elementary::Modulus;
 use num_complex::Complex64;
 
 /// A term `value` x^`x_power` k^(`k_power`/D) of a polynomial in x; the denominator D is common to all terms.
@@ -75,7 +76,7 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
     // bounds the sum of the low-order terms dropped, divided by x^`first` like the rest.
     let neglected = |x: Complex64| {
         let part = |(i, c): (usize, &RoundedComplex)| {
-            (c.modulus() + c.bound) * x.norm().powi(i as i32 - first as i32)
+            (c.modulus() + c.bound) * x.modulus().powi(i as i32 - first as i32)
         };
         polynomial[..first].iter().enumerate().map(part).sum::<f64>()
     };
@@ -87,7 +88,7 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
     while let Some(root) = open.first().copied() {
         let mut radius = 0.03;
         loop {
-            let near = |other: &Complex64| (other - root).norm() <= radius * root.norm();
+            let near = |other: &Complex64| (other - root).modulus() <= radius * root.modulus();
             let members: StackList<Complex64> = open.iter().copied().filter(near).collect();
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
@@ -96,7 +97,7 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
                 // |p/p′| bounds it (Henrici 1974): a cluster that is neither merged into one root nor resolved.
                 let degree = (polynomial.len() - 1) as f64;
                 let is_crowded = |other: &&Complex64| {
-                    (**other - root.value).norm() <= degree * root.bound && !near(other)
+                    (**other - root.value).modulus() <= degree * root.bound && !near(other)
                 };
                 if all.iter().any(|other| is_crowded(&other)) {
                     root.bound *= degree;
@@ -108,7 +109,7 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
             if count == 1 {
                 // Accept the root with a bound equal to its modulus.
                 open.remove(0);
-                found.push(BoundedRoot { value: root, multiplicity: 1, bound: root.norm() });
+                found.push(BoundedRoot { value: root, multiplicity: 1, bound: root.modulus() });
                 break;
             }
             radius *= 0.2;
@@ -126,37 +127,42 @@ fn find_multiple_root(
     near: Complex64,
     multiplicity: usize,
 ) -> Option<BoundedRoot> {
-    // n-th derivative over n!, and a bound on its error.
+    // n-th derivative over n!.
     let derivative = |x: Complex64, n: usize| {
-        let (mut value, mut uncertainty) = (Complex64::ZERO, 0.0);
-        for (i, c) in polynomial.iter().enumerate().rev().take(polynomial.len() - n) {
-            let factor = binomial(i, n);
-            value = value * x + factor * c.value;
-            let own = c.bound + 4.0 * polynomial.len() as f64 * f64::EPSILON * c.modulus();
-            uncertainty = uncertainty * x.norm() + factor * own;
-        }
-        uncertainty += neglected(x) * x.norm().powi(-(n as i32));
-        (value, uncertainty)
+        let terms = polynomial.iter().enumerate().skip(n).rev();
+        terms.fold(Complex64::ZERO, |sum, (i, c)| sum * x + binomial(i, n) * c.value)
     };
     let mut x = near;
     for _ in 0..3 {
-        let step = derivative(x, multiplicity - 1).0
-            / (multiplicity as f64 * derivative(x, multiplicity).0);
-        if !step.is_finite() || step.norm() > 0.1 * x.norm() {
+        let step =
+            derivative(x, multiplicity - 1) / (multiplicity as f64 * derivative(x, multiplicity));
+        let (length, size) = (step.modulus(), x.modulus());
+        if !step.is_finite() || length > 0.1 * size {
             break;
         }
         x -= step;
-    }
-    for n in 0..multiplicity - 1 {
-        let (value, uncertainty) = derivative(x, n);
-        if value.norm() > 4.0 * uncertainty {
-            return None;
+        if length <= f64::EPSILON * size {
+            break;
         }
     }
-    let (value, uncertainty) = derivative(x, multiplicity - 1);
-    let slope = multiplicity as f64 * derivative(x, multiplicity).0.norm();
-    let bound = (2.0 * value.norm() + uncertainty) / slope;
-    (bound < 0.1 * x.norm() || multiplicity == 1).then_some(BoundedRoot {
+    let size = x.modulus();
+    let evaluation_error = 4.0 * polynomial.len() as f64 * f64::EPSILON;
+    let coefficient_errors: StackList<f64> =
+        polynomial.iter().map(|c| c.bound + evaluation_error * c.modulus()).collect();
+    // Bound on the error of the n-th derivative over n!.
+    let uncertainty = |n: usize| {
+        let terms = coefficient_errors.iter().enumerate().skip(n).rev();
+        terms.fold(0.0, |sum, (i, own)| sum * size + binomial(i, n) * own)
+            + neglected(x) * size.powi(-(n as i32))
+    };
+    let vanishes = |n: usize| derivative(x, n).modulus() <= 4.0 * uncertainty(n);
+    if !(0..multiplicity - 1).all(vanishes) {
+        return None;
+    }
+    let slope = multiplicity as f64 * derivative(x, multiplicity).modulus();
+    let value = derivative(x, multiplicity - 1).modulus();
+    let bound = (2.0 * value + uncertainty(multiplicity - 1)) / slope;
+    (bound < 0.1 * size || multiplicity == 1).then_some(BoundedRoot {
         value: x,
         multiplicity,
         bound,
@@ -225,7 +231,7 @@ fn continue_series(
             if root.is_growing() {
                 result.record_growth(order, root.value.re);
             } else if root.is_neutral() {
-                if root.bound > UNDECIDED_RELATIVE_BOUND * root.value.norm() {
+                if root.bound > UNDECIDED_RELATIVE_BOUND * root.value.modulus() {
                     result.record_undecided(order, root.value.re, root.bound);
                 } else if root.multiplicity == 1
                     && order.numerator * lcm(unit, order.denominator) <= order.denominator

@@ -3,6 +3,7 @@
 use crate::face_polynomial::FacePolynomial;
 use crate::list::{StackList, list};
 use crate::puiseux::BoundedRoot;
+use models::common::elementary::Modulus;
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,16 +29,17 @@ pub(crate) fn find_collisions(face: &FacePolynomial, angle: f64) -> StackList<Ro
     let mut found: StackList<RootCollision> = StackList::new();
     let mut include = |angle: f64, near: Option<Complex64>, is_accurate: bool| {
         for root in face.roots(angle).into_iter().filter(|r| r.multiplicity > 1) {
-            let is_meant = near.is_none_or(|c| (c - root.value).norm() <= 1e-3 * root.value.norm());
+            let is_meant =
+                near.is_none_or(|c| (c - root.value).modulus() <= 1e-3 * root.value.modulus());
             if !is_meant || !is_split_nearby(face, angle, &root) {
                 continue;
             }
             let is_same = |c: &&RootCollision| {
-                (c.root.value - root.value).norm() <= 1e-2 * root.value.norm()
+                (c.root.value - root.value).modulus() <= 1e-2 * root.value.modulus()
                     && (!is_accurate || (c.angle - angle).abs() < 1e-9)
             };
             if !found.iter().any(|c| is_same(&c)) {
-                let bound = root.bound.max(1e-14 * root.value.norm());
+                let bound = root.bound.max(1e-14 * root.value.modulus());
                 found.push(RootCollision {
                     angle,
                     root: BoundedRoot { bound, ..root },
@@ -56,9 +58,9 @@ pub(crate) fn find_collisions(face: &FacePolynomial, angle: f64) -> StackList<Ro
     for first in &roots {
         // Groups of one root and its neighbours, the largest group first.
         let mut near: StackList<(f64, usize)> =
-            roots.iter().enumerate().map(|(i, r)| ((r.value - first.value).norm(), i)).collect();
+            roots.iter().enumerate().map(|(i, r)| ((r.value - first.value).modulus(), i)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.retain(|(gap, _)| *gap <= 0.2 * first.value.norm());
+        near.retain(|(gap, _)| *gap <= 0.2 * first.value.modulus());
         for end in (0..near.len()).rev() {
             let members = &near[..=end];
             let count = members.iter().map(|(_, i)| roots[*i].multiplicity).sum::<usize>();
@@ -105,26 +107,26 @@ fn locate_crossing(
         }
         place -= step[0];
         root -= step[1];
-        *last = step[0].norm() + step[1].norm() / root.norm();
+        *last = step[0].modulus() + step[1].modulus() / root.modulus();
     }
     // Require several small steps: a single one may be accidental.
     let is_accurate = steps[NEWTON_STEPS - 3..].iter().all(|&step| step < 1e-12);
     let last = steps[NEWTON_STEPS - 1];
-    let is_close = (place - angle).norm() < 1e-2 && (root - c).norm() < 0.2 * c.norm();
+    let is_close = (place - angle).modulus() < 1e-2 && (root - c).modulus() < 0.2 * c.modulus();
     if last > 1e-3 || !is_close || place.im.abs() > 1e-3 * last + 1e-9 {
         return None;
     }
     // f = g = 0 also where branches only approach each other: E itself must vanish.
     let [value, ..] = face.taylor_coefficients(place.re.into(), root, 2);
     let tolerance = if is_accurate { 1e-13 } else { 1e-10 };
-    let holds = value[0].norm() <= tolerance * face.sum_of_moduli(root.norm());
+    let holds = value[0].modulus() <= tolerance * face.sum_of_moduli(root.modulus());
     holds.then_some((place.re, root, is_accurate))
 }
 
 /// Whether a multiple root splits: at one of the angles 1e-3 rad away the nearest root has a lower multiplicity.
 fn is_split_nearby(face: &FacePolynomial, angle: f64, root: &BoundedRoot) -> bool {
     [1e-3, -1e-3].into_iter().any(|offset| {
-        let distance = |r: &BoundedRoot| (r.value - root.value).norm();
+        let distance = |r: &BoundedRoot| (r.value - root.value).modulus();
         let beside = face.roots(angle + offset);
         let nearest = beside.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.is_some_and(|nearest| nearest.multiplicity < root.multiplicity)

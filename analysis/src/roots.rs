@@ -2,18 +2,22 @@
 
 use crate::extended_precision::ExtendedComplex;
 use crate::list::{StackList, list};
-use models::common::elementary::{Elementary, cr_from_polar};
+use models::common::elementary::{Elementary, Modulus, cr_cis, cr_from_polar};
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Relative error of a complex product and sum of double-double numbers.
 const EXTENDED_EVALUATION_ERROR: f64 = 1e-30;
 
-/// Last step of the iteration with values in working precision, relative to the root: below the spacing of doubles,
-/// so that it goes on where rounding moves an ill-conditioned root.
-const LAST_STEP: f64 = 1e-16;
+/// Rounding error of a polynomial evaluated in working precision, relative to the sum of the moduli of its terms: an
+/// iterate with a smaller value is the exact root of a polynomial whose coefficients differ by this part (backward error).
+const EVALUATION_ERROR: f64 = 2.0 * f64::EPSILON;
 
-/// Last step of the iteration with double-double values, relative to the root: rounding does not move the root.
-const EXTENDED_LAST_STEP: f64 = f64::EPSILON;
+/// Last step of the iteration, relative to the root: the spacing of doubles.
+const LAST_STEP: f64 = f64::EPSILON;
+
+/// Newton correction, relative to the root, below which an iterate is near a root.
+const NEWTON_RANGE: f64 = 1e-3;
 
 /// Maximum number of Aberth–Ehrlich iterations.
 const MAX_ITERATIONS: usize = 200;
@@ -36,7 +40,10 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
         }
         _ => {
             let mut start = initial_guesses(coefficients, &[]);
-            iterate_aberth(&mut start, LAST_STEP, |x| evaluate_with_derivative(coefficients, x))
+            let moduli: StackList<f64> = coefficients.iter().map(|c| c.modulus()).collect();
+            iterate_aberth(&mut start, &moduli, EVALUATION_ERROR, |x| {
+                evaluate_with_derivative(coefficients, x)
+            })
         }
     }
 }
@@ -58,15 +65,9 @@ pub fn solve_extended(
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
     let rounding = EXTENDED_EVALUATION_ERROR * rounded.len() as f64;
-    let moduli: StackList<f64> = rounded.iter().map(|c| c.norm()).collect();
-    let mut roots = iterate_aberth(&mut start, EXTENDED_LAST_STEP, |x| {
-        let (value, slope) = evaluate_extended(coefficients, x);
-        // Iterates at a multiple root never agree in all digits: they are as good as the coefficients determine them
-        // where the value is rounding.
-        let size = x.norm();
-        let terms = moduli.iter().rev().fold(0.0, |sum, modulus| sum * size + modulus);
-        if value.norm() <= rounding * terms { (Complex64::ZERO, slope) } else { (value, slope) }
-    });
+    let moduli: StackList<f64> = rounded.iter().map(|c| c.modulus()).collect();
+    let mut roots =
+        iterate_aberth(&mut start, &moduli, rounding, |x| evaluate_extended(coefficients, x));
     roots.extend(std::iter::repeat_n(Complex64::ZERO, zeros));
     roots
 }
@@ -108,7 +109,9 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
             .map(|(i, g)| g * cr_from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
             .collect();
     }
-    let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).cr_log2();
+    let logarithms: StackList<f64> =
+        coefficients.iter().map(|c| c.modulus().max(f64::MIN_POSITIVE).cr_log2()).collect();
+    let log = |i: usize| logarithms[i];
     let mut hull: StackList<usize> = StackList::new();
     for i in (0..=degree).filter(|&i| coefficients[i] != Complex64::ZERO) {
         while let [.., a, b] = hull[..] {
@@ -125,20 +128,28 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
     for pair in hull.windows(2) {
         let count = pair[1] - pair[0];
         let radius = ((log(pair[0]) - log(pair[1])) / count as f64).cr_exp2();
-        for i in 0..count {
-            // Different phases keep points on circles of almost equal radii apart.
-            let angle = std::f64::consts::TAU * (i as f64 / count as f64) + 0.7 + pair[0] as f64;
-            start.push(cr_from_polar(radius, angle));
+        // Different phases keep points on circles of almost equal radii apart.
+        let mut point = cr_from_polar(radius, 0.7 + pair[0] as f64);
+        start.push(point);
+        if count > 1 {
+            let turn = cr_cis(TAU / count as f64);
+            for _ in 1..count {
+                point *= turn;
+                start.push(point);
+            }
         }
     }
     start
 }
 
-/// Aberth–Ehrlich iteration from the starting points `roots` until each step is at most `last_step` times the root;
-/// `evaluate` returns value and derivative.
+/// Aberth–Ehrlich iteration from the starting points `roots` until each step is at most [`LAST_STEP`] times the root, or
+/// the value before the step at most the part `evaluation_error` of the sum of the moduli of the terms: iterates at a
+/// multiple root never agree in all digits, and are as good as the coefficients determine them where the value is rounding.
+/// `evaluate` returns value and derivative; `moduli` are those of the coefficients.
 fn iterate_aberth(
     roots: &mut [Complex64],
-    last_step: f64,
+    moduli: &[f64],
+    evaluation_error: f64,
     evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
 ) -> StackList<Complex64> {
     let mut settled = list![false; roots.len()];
@@ -148,26 +159,31 @@ fn iterate_aberth(
                 continue;
             }
             let (value, slope) = evaluate(roots[i]);
-            if value == Complex64::ZERO {
+            let size = roots[i].modulus();
+            let terms = moduli.iter().rev().fold(0.0, |sum, modulus| sum * size + modulus);
+            let is_rounding = value.modulus() <= evaluation_error * terms;
+            let others: Complex64 = (0..roots.len())
+                .filter(|&j| j != i && roots[j] != roots[i])
+                .map(|j| {
+                    let distance = roots[i] - roots[j];
+                    distance.conj() * (1.0 / distance.norm_sqr())
+                })
+                .sum();
+            let step = value / (slope - value * others);
+            // A step may also be small because another iterate is close: test the Newton correction too.
+            let is_near = value.modulus() <= NEWTON_RANGE * size * slope.modulus();
+            if is_rounding && !(is_near && step.is_finite()) {
+                // At a multiple root the step is noise.
                 settled[i] = true;
                 continue;
             }
-            let newton = value / slope;
-            let others: Complex64 = (0..roots.len())
-                .filter(|&j| j != i && roots[j] != roots[i])
-                .map(|j| 1.0 / (roots[i] - roots[j]))
-                .sum();
-            let step = newton / (1.0 - newton * others);
             if !step.is_finite() {
-                // The derivative is zero, or the sum over the other roots cancels the correction: continue from a
-                // nearby point.
+                // The sum over the other roots cancels the derivative: continue from a nearby point.
                 roots[i] *= cr_from_polar(1.001, 0.01);
                 continue;
             }
             roots[i] -= step;
-            // A step may also be small because another iterate is close: test the Newton correction too.
-            let size = roots[i].norm();
-            settled[i] = step.norm() <= last_step * size && newton.norm() <= 1e-3 * size;
+            settled[i] = is_rounding || is_near && step.modulus() <= LAST_STEP * size;
         }
         if settled.iter().all(|s| *s) {
             break;
@@ -204,8 +220,8 @@ mod tests {
             let found = solve(&expand_product(&wanted));
             assert_eq!(found.len(), wanted.len());
             for w in &wanted {
-                let best = found.iter().map(|f| (f - w).norm()).fold(f64::MAX, f64::min);
-                assert!(best <= 1e-12 * w.norm(), "{w}: off by {best:e}");
+                let best = found.iter().map(|f| (f - w).modulus()).fold(f64::MAX, f64::min);
+                assert!(best <= 1e-12 * w.modulus(), "{w}: off by {best:e}");
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Complex numbers with a rounding-error bound.
 
 use models::Rounded;
+use models::common::elementary::Modulus;
 use num_complex::Complex64;
 use std::ops::{Add, AddAssign, Mul};
 
@@ -21,7 +22,7 @@ impl RoundedComplex {
 
     /// Whether the number may be zero within its bound.
     pub(crate) fn is_zero(self) -> bool {
-        self.value.norm() <= self.bound || self.value == Complex64::ZERO
+        self.value.modulus() <= self.bound || self.value == Complex64::ZERO
     }
 
     /// Product x iⁿ with the n-th power of the imaginary unit.
@@ -30,7 +31,15 @@ impl RoundedComplex {
     }
 
     pub(crate) fn modulus(self) -> f64 {
-        self.value.norm()
+        self.value.modulus()
+    }
+
+    /// Product with a real number `factor`, whose error is at most `error`.
+    pub(crate) fn scale(self, factor: f64, error: f64) -> Self {
+        let (size, modulus) = (factor.abs(), self.modulus());
+        let bound =
+            self.bound * size + error * (modulus + self.bound) + RELATIVE_ROUNDING * modulus * size;
+        Self { value: self.value * factor, bound }
     }
 }
 
@@ -41,7 +50,7 @@ impl Add for RoundedComplex {
         let rounding = if self.value == Complex64::ZERO || other.value == Complex64::ZERO {
             0.0
         } else {
-            RELATIVE_ROUNDING * value.norm()
+            RELATIVE_ROUNDING * value.modulus()
         };
         Self { value, bound: self.bound + other.bound + rounding }
     }
@@ -60,7 +69,7 @@ impl Mul for RoundedComplex {
         let bound = self.bound * other.modulus()
             + other.bound * self.modulus()
             + self.bound * other.bound
-            + RELATIVE_ROUNDING * value.norm();
+            + RELATIVE_ROUNDING * value.modulus();
         Self { value, bound }
     }
 }

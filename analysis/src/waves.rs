@@ -15,7 +15,7 @@
 use crate::dense;
 use crate::qz::Qz;
 use models::LinearisedSystem;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::common::product::triple_product;
 use models::common::rates::RateEquations;
 use nalgebra::{DMatrix, DVector};
@@ -138,8 +138,8 @@ pub fn roots<const D: usize>(
     let Some(roots) = dense::eigenvalues(symbol) else {
         return vec![Complex64::new(f64::NAN, f64::NAN)];
     };
-    let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
-    roots.iter().copied().filter(|root| root.norm() > ZERO_TOLERANCE * largest).collect()
+    let largest = roots.iter().map(|root| root.modulus()).fold(0.0, f64::max);
+    roots.iter().copied().filter(|root| root.modulus() > ZERO_TOLERANCE * largest).collect()
 }
 
 impl DirectionalWaves {
@@ -239,8 +239,8 @@ fn coupled_components(coefficients: &[ComplexMatrix; 3]) -> Vec<Vec<usize>> {
     let size = coefficients[0].nrows();
     let couples = |i: usize, j: usize| {
         coefficients.iter().any(|m| {
-            let largest = m.iter().fold(0.0f64, |a, b| a.max(b.norm()));
-            m[(i, j)].norm().max(m[(j, i)].norm()) > ZERO_TOLERANCE * largest
+            let largest = m.iter().fold(0.0f64, |a, b| a.max(b.modulus()));
+            m[(i, j)].modulus().max(m[(j, i)].modulus()) > ZERO_TOLERANCE * largest
         })
     };
     let mut sets: Vec<Vec<usize>> = Vec::new();
@@ -304,7 +304,7 @@ impl WaveFamily {
             // Conjugate pairs have no natural order: match each to the nearest.
             let nearest = |list: &[Complex64], to: Complex64| {
                 let nearer = |a: Complex64, b: &Complex64| {
-                    if (b - to).norm() < (a - to).norm() { *b } else { a }
+                    if (b - to).modulus() < (a - to).modulus() { *b } else { a }
                 };
                 list.iter().fold(list[0], nearer)
             };

@@ -19,7 +19,7 @@ use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use dynamics::solid::interlayers::InterlayerFace;
-use models::common::elementary::cr_cis;
+use models::common::elementary::{Modulus, cr_cis};
 use models::interface::homogenised::BlockMaterial;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -126,12 +126,18 @@ impl CellExperiment<'_> {
             let ratio = (high / low).powi(order) - 1.0;
             let mut modes = Vec::new();
             for &raw in fine.iter().take(count) {
-                let distance = |other: &Complex64| (other - raw).norm();
+                let distance = |other: &Complex64| (other - raw).modulus();
                 let nearest =
                     coarse.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)));
                 let correction = (raw - nearest.unwrap_or(raw)) / ratio;
                 let vector = self.solve_damped_vector(&models[1], wave_vector, raw)?;
-                modes.push(new_mode(&models[1], vector, raw + correction, raw, correction.norm()));
+                modes.push(new_mode(
+                    &models[1],
+                    vector,
+                    raw + correction,
+                    raw,
+                    correction.modulus(),
+                ));
             }
             return Ok(modes);
         }

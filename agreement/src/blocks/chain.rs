@@ -30,7 +30,7 @@ use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use dynamics::solid::interlayers::InterlayerFace;
-use models::common::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, Modulus, cr_cis};
 use models::interface::homogenised::BlockMaterial;
 use models::solid::waves::SolidField;
 use num_complex::Complex64;
@@ -162,7 +162,7 @@ impl ChainExperiment<'_> {
                 let ratio = self.material.density * self.wave_speed() / impedance;
                 0.5 * (ratio + 1.0 / ratio)
             });
-        ROUNDINGS_PER_STEP * f64::EPSILON * (1.0 + impedance_contrast) / slope.norm()
+        ROUNDINGS_PER_STEP * f64::EPSILON * (1.0 + impedance_contrast) / slope.modulus()
     }
 
     /// Builds the medium of the solver; for transverse waves with a smaller longitudinal modulus, which does not affect
@@ -246,7 +246,7 @@ impl ChainExperiment<'_> {
             [0, 1].map(|i| tractions[i] * 0.5 - rate * component.mass.opening_mass * opening[i]);
         let momentum = [0, 1].map(|i| rate * component.mass.mass * mean[i] - difference[i]);
         let deformation = [0, 1].map(|i| (opening[i] - rate * compliance * layer_stress[i]) * z);
-        let size = |row: [Complex64; 2]| row[0].norm() + row[1].norm();
+        let size = |row: [Complex64; 2]| row[0].modulus() + row[1].modulus();
         let row = if size(momentum) > size(deformation) { momentum } else { deformation };
         let [a, b] = [-row[1] / size(row), row[0] / size(row)];
         let value = |pair: [Complex64; 2]| pair[0] * a + pair[1] * b;

@@ -7,6 +7,7 @@ use dynamics::problem::Problem;
 use dynamics::solid::interlayers::{
     InterlayerFace, InterlayerLaw, InterlayerPlane, Interlayers, PlaneLaws,
 };
+use models::common::elementary::Modulus;
 use models::interface::history;
 use models::interface::layer::LayerLaw;
 use models::solid::waves::SolidField;
@@ -188,7 +189,9 @@ impl WaveState {
             state.history.resize(own.history.end, Complex64::ZERO);
             energy_gradient.history.resize(own.history.end, Complex64::ZERO);
             used_fraction = used_fraction.max(
-                layer.linear_range.used_fraction(modes[0].stress.norm(), modes[1].stress.norm()),
+                layer
+                    .linear_range
+                    .used_fraction(modes[0].stress.modulus(), modes[1].stress.modulus()),
             );
             let starts = [history::NORMAL_MOTION, history::SHEAR_MOTION];
             for (index, (component, mode)) in layer.components.iter().zip(modes).enumerate() {
@@ -256,7 +259,7 @@ impl WaveState {
         }
         let first = sums[0];
         let amplitudes: Vec<Complex64> = sums.into_iter().map(|sum| sum / first).collect();
-        match amplitudes.iter().all(|own| own.is_finite() && own.norm() > 0.0) {
+        match amplitudes.iter().all(|own| own.is_finite() && own.modulus() > 0.0) {
             true => Ok(amplitudes),
             false => Err(MeasurementError::VanishingAmplitude),
         }

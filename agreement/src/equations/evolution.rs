@@ -19,7 +19,7 @@
 use super::differential_algebraic::{RadauStepper, ReducedEquations, radau_stability_function};
 use super::{PerturbedResidual, SYMBOL_TOLERANCE};
 use crate::fit::{fit_rate, max_rate_error};
-use models::common::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, Modulus, cr_cis};
 use models::equations::MultiIndex;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -62,7 +62,7 @@ pub struct ModeEvolution {
 impl ModeEvolution {
     /// Whether both rates agree.
     pub fn is_within_tolerance(&self) -> bool {
-        (self.measured - self.predicted).norm() <= self.tolerance
+        (self.measured - self.predicted).modulus() <= self.tolerance
     }
 }
 
@@ -98,9 +98,12 @@ impl WaveEvolution {
 
     /// Largest difference of a rate, relative to the largest root; 0 without modes.
     pub fn max_relative_difference(&self) -> f64 {
-        let size = self.modes.iter().map(|own| own.predicted.norm()).fold(0.0, f64::max);
-        let difference =
-            self.modes.iter().map(|own| (own.measured - own.predicted).norm()).fold(0.0, f64::max);
+        let size = self.modes.iter().map(|own| own.predicted.modulus()).fold(0.0, f64::max);
+        let difference = self
+            .modes
+            .iter()
+            .map(|own| (own.measured - own.predicted).modulus())
+            .fold(0.0, f64::max);
         if difference == 0.0 { 0.0 } else { difference / size }
     }
 }
@@ -132,7 +135,7 @@ fn try_follow(
     factors: &[Complex64; 3],
     roots: &[Complex64],
 ) -> Option<WaveEvolution> {
-    let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
+    let largest = roots.iter().map(|root| root.modulus()).fold(0.0, f64::max);
     let rate_unit = if largest > 0.0 { largest } else { 1.0 };
     let matrices = measure_time_orders(residual, factors)?;
     let (e, a) = build_first_order_form(&matrices, rate_unit)?;
@@ -147,7 +150,7 @@ fn try_follow(
             continue;
         }
         let (measured, rounding, end) = measure_rate(&equations, &scaled, root, &mode)?;
-        let tolerance = tolerance + METHOD_ERROR * root.norm() + rounding;
+        let tolerance = tolerance + METHOD_ERROR * root.modulus() + rounding;
         constraint_residual = constraint_residual.max(equations.constraint_residual(&end));
         modes.push(ModeEvolution {
             predicted: root * rate_unit,
@@ -187,7 +190,7 @@ fn measure_time_orders(
             for column in (0..columns).filter(|own| order <= residual.time_order(*own)) {
                 let own = residual.measure_column(column, &factor)?;
                 for (row, (value, noise)) in own.into_iter().enumerate() {
-                    if value.norm() > noise {
+                    if value.modulus() > noise {
                         matrix[(row, column)] = value;
                     }
                 }
@@ -209,7 +212,11 @@ fn build_first_order_form(matrices: &[Matrix], rate_unit: f64) -> Option<(Matrix
     }
     let powers: Vec<f64> = (0..matrices.len() as i32).map(|m| rate_unit.powi(m)).collect();
     let size_at = |i: usize, j: usize| {
-        matrices.iter().zip(&powers).map(|(m, power)| m[(i, j)].norm() * power).fold(0.0, f64::max)
+        matrices
+            .iter()
+            .zip(&powers)
+            .map(|(m, power)| m[(i, j)].modulus() * power)
+            .fold(0.0, f64::max)
     };
     let sizes = DMatrix::from_fn(rows, columns, size_at);
     let [row_scales, column_scales] = equilibrate(&sizes)?;
@@ -273,10 +280,10 @@ fn find_mode(e: &Matrix, a: &Matrix, root: Complex64) -> (Vector, f64) {
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return (Vector::zeros(0), f64::INFINITY) };
     let last = e.ncols() - 1;
     let (left, mode) = (u.column(last).into_owned(), v_t.row(last).adjoint());
-    let size = |own: &Matrix| own.map(|entry| entry.norm());
-    let sizes = size(e) * root.norm() + size(a);
-    let change = left.map(|own| own.norm()).dot(&(sizes * mode.map(|own| own.norm())));
-    let slope = left.dotc(&(e * &mode)).norm();
+    let size = |own: &Matrix| own.map(|entry| entry.modulus());
+    let sizes = size(e) * root.modulus() + size(a);
+    let change = left.map(|own| own.modulus()).dot(&(sizes * mode.map(|own| own.modulus())));
+    let slope = left.dotc(&(e * &mode)).modulus();
     (mode, SYMBOL_TOLERANCE * change / slope)
 }
 
@@ -289,10 +296,10 @@ fn measure_rate(
 ) -> Option<(Complex64, f64, Vector)> {
     let slowest = SLOWEST_FOLLOWED;
     let mut time_step =
-        STEP_ANGLE / if root == Complex64::ZERO { 1.0 } else { root.norm().max(slowest) };
+        STEP_ANGLE / if root == Complex64::ZERO { 1.0 } else { root.modulus().max(slowest) };
     // Growth of the other modes by the method itself in one step, relative to that of this mode.
     let growth = |time_step: f64| {
-        let factor = |own: Complex64| radau_stability_function(own * time_step).norm();
+        let factor = |own: Complex64| radau_stability_function(own * time_step).modulus();
         roots.iter().map(|own| factor(*own)).fold(0.0, f64::max) / factor(root)
     };
     let [fewest, most] = MODE_STEPS;
@@ -353,7 +360,7 @@ fn measure_recurrence(
     }
     let error = |first: usize| {
         let terms = coefficients.iter().zip(&states[first..]);
-        let size: f64 = terms.clone().map(|(own, state)| own.norm() * state.norm()).sum();
+        let size: f64 = terms.clone().map(|(own, state)| own.modulus() * state.norm()).sum();
         let sum = terms.fold(Vector::zeros(start.len()), |sum, (own, state)| sum + state * *own);
         sum.norm() / size
     };
@@ -403,9 +410,9 @@ mod tests {
     fn assert_rates(found: &WaveEvolution, expected: &[Complex64]) {
         assert!(found.is_in_agreement(), "{found:?}");
         assert_eq!(found.modes.len(), expected.len());
-        let size = expected.iter().map(|own| own.norm()).fold(0.0, f64::max);
+        let size = expected.iter().map(|own| own.modulus()).fold(0.0, f64::max);
         for (mode, expected) in found.modes.iter().zip(expected) {
-            assert!((mode.measured - expected).norm() < 1e-9 * size, "{mode:?}, not {expected}");
+            assert!((mode.measured - expected).modulus() < 1e-9 * size, "{mode:?}, not {expected}");
             // The tolerance is no more than a few of the changes of entries that it stands for.
             assert!(mode.tolerance < 1e-5 * size, "{mode:?}");
         }

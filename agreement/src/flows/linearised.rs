@@ -5,7 +5,7 @@ use super::mean_flow::MeanFlow;
 use crate::{AgreementError, PlaneWave};
 use analysis::kelvin::{KelvinEvolution, integrate_kelvin_wave, wave_vector, wave_vector_rate};
 use dynamics::flow::spectral::{ModeNumbers, max_dealiased_modes};
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::flow::state::DeformingFlow;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -102,7 +102,7 @@ impl<'a> LinearisedFlow<'a> {
     /// Index of the field, transverse velocity (0) or internal variable (1), that is larger relative to its
     /// [scale](Self::field_scale) at the wave number `number` (1/m); and that scale.
     pub(super) fn dominant_field(&self, number: f64, all: [Complex64; 2]) -> (usize, f64) {
-        let size = |field: usize| all[field].norm() / self.field_scale(number, field);
+        let size = |field: usize| all[field].modulus() / self.field_scale(number, field);
         let greater = usize::from(size(1) > size(0));
         (greater, self.field_scale(number, greater))
     }

@@ -8,7 +8,7 @@ use crate::fit::{fit_rate, fit_slope};
 use crate::{AgreementError, ProgressCallback, TaskProgress};
 use dynamics::flow::spectral::ModeNumbers;
 use dynamics::flow::{Closure, FlowProblem, FlowSolver as Solver};
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -149,7 +149,7 @@ pub fn compare_fastest_mode(
     let growth = |own: &ModeRates| own.1.first().map_or(f64::MIN, |rate| rate.re);
     let fastest = all.iter().max_by(|a, b| growth(a).total_cmp(&growth(b)));
     let (mode, rates) = fastest.ok_or(AgreementError::NoVelocity)?;
-    let stiffest = all.iter().flat_map(|own| &own.1).map(|rate| rate.norm()).fold(0.0, f64::max);
+    let stiffest = all.iter().flat_map(|own| &own.1).map(|rate| rate.modulus()).fold(0.0, f64::max);
     let shear_rate = flow.flow.shear_rate;
     // Three e-folds of the fastest mode, but at most a shear strain of 0.1 and 2000 time constants of the stiffest
     // mode, which take a few hundred stages of the solver.
@@ -164,8 +164,8 @@ pub fn compare_fastest_mode(
         loop {
             let predicted = flow.predict_amplitudes(wave, measured[0], count, duration)?;
             // The duration of a decaying mode is halved until its amplitude stays far above rounding.
-            let least = predicted.iter().map(|own| own[0].norm()).fold(f64::MAX, f64::min);
-            if least > MIN_RELATIVE_AMPLITUDE * predicted[0][0].norm()
+            let least = predicted.iter().map(|own| own[0].modulus()).fold(f64::MAX, f64::min);
+            if least > MIN_RELATIVE_AMPLITUDE * predicted[0][0].modulus()
                 || duration < 1e-9 / shear_rate
             {
                 break (duration, predicted);
@@ -234,7 +234,7 @@ fn predict_mode_rates(
     let all: Vec<(ModeNumbers, f64)> = (0..=most)
         .flat_map(|first| (-across..=across).map(move |second| [first, second]))
         .filter(|mode| *mode > [0, 0])
-        .map(|mode| (mode, measure_amplitudes(solver, mode)[0].norm()))
+        .map(|mode| (mode, measure_amplitudes(solver, mode)[0].modulus()))
         .collect();
     let greatest = all.iter().map(|own| own.1).fold(0.0, f64::max);
     let is_held = |own: &&(ModeNumbers, f64)| greatest > 0.0 && own.1 > 1e-3 * greatest;

@@ -6,7 +6,7 @@ use crate::fit::{Rate, fit_rate, max_rate_error};
 use crate::{AgreementError, MeasurementError, PlaneWave, ProgressCallback, TaskProgress};
 use dynamics::flow::spectral::ModeNumbers;
 use dynamics::flow::{FlowProblem, FlowSolver as Solver};
-use models::common::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, Modulus, cr_cis};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -120,7 +120,8 @@ impl WaveExperiment<'_> {
         let flow = self.flow;
         let unit = flow.to_wave_amplitudes(self.wave_vector, unknowns);
         let (greater, size) = flow.dominant_field(self.wave_number, unit);
-        let start = unit.map(|own| own * (self.relative_amplitude * size / unit[greater].norm()));
+        let start =
+            unit.map(|own| own * (self.relative_amplitude * size / unit[greater].modulus()));
         let duration = self.choose_duration(*eigenvalue)?;
         let (duration, course, leading) =
             self.predict_resolvable_amplitudes(start, unknowns.len(), duration)?;
@@ -153,7 +154,7 @@ impl WaveExperiment<'_> {
         // non-coaxiality Δ (rad). Nonlinear self-interaction of the wave is of third order in its amplitude.
         let inverse = 1.0 / (2.0 * flow.flow.noncoaxiality).cr_cos().abs();
         let unit = flow.field_scale(self.wave_number, leading);
-        let least = course.iter().map(|own| own[leading].norm() / unit);
+        let least = course.iter().map(|own| own[leading].modulus() / unit);
         let least = least.fold(self.relative_amplitude, f64::min);
         let noise =
             inverse * (64.0 * f64::EPSILON / least + (RELATIVE_AMPLITUDE * inverse).powi(2));
@@ -177,7 +178,7 @@ impl WaveExperiment<'_> {
     /// vector changes little, and at most [`MAX_E_FOLDS`] e-folds of the fastest mode of the box, so that rounding
     /// errors stay small.
     fn choose_duration(&self, eigenvalue: Complex64) -> Result<f64, AgreementError> {
-        let duration = (1.0 / eigenvalue.norm()).min(0.2 / self.flow.flow.shear_rate);
+        let duration = (1.0 / eigenvalue.modulus()).min(0.2 / self.flow.flow.shear_rate);
         let mut growth = 0.0f64;
         for part in [0.0, 0.5, 1.0] {
             growth = growth.max(self.flow.max_growth_rate(self.lengths, part * duration)?);
@@ -197,7 +198,7 @@ impl WaveExperiment<'_> {
             let predicted =
                 self.flow.predict_amplitudes(self.wave_vector, start, count, duration)?;
             let least = |field: usize| {
-                let sizes = || predicted.iter().map(|own| own[field].norm());
+                let sizes = || predicted.iter().map(|own| own[field].modulus());
                 sizes().fold(f64::MAX, f64::min) / sizes().fold(f64::MIN_POSITIVE, f64::max)
             };
             let leading = usize::from(least(1) > least(0));
@@ -215,7 +216,7 @@ impl WaveExperiment<'_> {
 
 /// Rate of the frozen wave vector that is closest to the given rate of the moving wave vector.
 fn nearest_rate(frozen: &[Eigenmode], rate: Complex64) -> Rate {
-    let distance = |own: &&Eigenmode| (own.0 - rate).norm();
+    let distance = |own: &&Eigenmode| (own.0 - rate).modulus();
     let nearest = frozen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     nearest.map_or(Rate::default(), |own| Rate { frequency: -own.0.im, growth_rate: own.0.re })
 }

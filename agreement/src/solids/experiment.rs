@@ -12,6 +12,7 @@ use crate::{AgreementError, MeasurementError, PlaneWave, ProgressCallback, TaskP
 use analysis::solids::group_branches;
 use dynamics::medium::Medium;
 use dynamics::problem::{Grid, PlasticStep, Splitting};
+use models::common::elementary::Modulus;
 use models::elastoplastic::Solid;
 use nalgebra::DVector;
 use num_complex::Complex64;
@@ -264,7 +265,7 @@ impl<const D: usize> SolidExperiment<'_, D> {
             WaveSimulation { experiment: self, branch, grid, discretisation, unknowns, background };
         let measured = run.measure_amplitudes(&amplitude, cells, per_cell)?;
         let measured: Vec<Complex64> = measured.iter().map(|own| own * scale).collect();
-        if !measured.iter().chain(&expected).all(|own| own.is_finite() && own.norm() > 0.0) {
+        if !measured.iter().chain(&expected).all(|own| own.is_finite() && own.modulus() > 0.0) {
             return Err(MeasurementError::VanishingAmplitude);
         }
         let times: Vec<f64> =

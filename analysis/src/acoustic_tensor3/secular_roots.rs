@@ -2,7 +2,7 @@
 
 use super::eigenbasis::MAX_VELOCITIES;
 use super::secular_equation::SecularEquation;
-use models::common::elementary::cr_from_polar;
+use models::common::elementary::{Modulus, cr_from_polar};
 use num_complex::Complex64;
 
 /// Weights w_g below this fraction of the largest number in the secular equation may change sign between neighbouring
@@ -216,7 +216,7 @@ impl SecularEquation {
             for _ in 0..2 {
                 let (value, slope) = self.evaluate_complex_polynomial(root);
                 let next = root - value / slope;
-                if next.is_finite() && (next - root).norm() < 0.1 * root.im {
+                if next.is_finite() && (next - root).modulus() < 0.1 * root.im {
                     root = next;
                 }
             }
@@ -240,7 +240,7 @@ impl SecularEquation {
             for index in 0..self.pole_count {
                 let x = roots[index];
                 let (value, slope) = self.evaluate_complex_polynomial(x);
-                if value.norm() == 0.0 {
+                if value.modulus() == 0.0 {
                     continue;
                 }
                 let mut repulsion = Complex64::new(0.0, 0.0);
@@ -250,7 +250,7 @@ impl SecularEquation {
                 let step = (slope / value - repulsion).inv();
                 if step.is_finite() {
                     roots[index] = x - step;
-                    moved = moved.max(step.norm());
+                    moved = moved.max(step.modulus());
                 }
             }
             if moved <= 1e-15 * size {

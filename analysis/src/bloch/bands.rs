@@ -3,7 +3,7 @@
 use super::cell::{Cell, CellModel, DegreeControl, Joint};
 use super::zone::ZonePoint;
 use super::{BlochError, ensure};
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use num_complex::Complex64;
 
 /// Frequency, decay rate and polarisation of a Bloch wave.
@@ -163,9 +163,9 @@ impl BandSolver {
         let modes = self.model.damped_modes(wave_vector)?;
         // The double eigenvalue zero of the two translations at κ = 0 is perturbed by the square root of the rounding,
         // relative to the largest frequency.
-        let largest = modes.frequencies.last().map_or(0.0, |omega| omega.norm());
+        let largest = modes.frequencies.last().map_or(0.0, |omega| omega.modulus());
         let growth_rounding = (modes.rounding * largest).sqrt();
-        let is_zero = |omega: &Complex64| omega.norm() <= growth_rounding;
+        let is_zero = |omega: &Complex64| omega.modulus() <= growth_rounding;
         let mut waves = Vec::new();
         if wave_vector == [0.0; 2] {
             waves
@@ -237,7 +237,7 @@ pub fn follow_branches(points: &[PathPoint], vertices: &[f64], waves: &mut [Wave
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (branch, expected) in predicted.iter().enumerate() {
             for (index, wave) in found.iter().enumerate() {
-                pairs.push(((omega(wave) - expected).norm(), branch, index));
+                pairs.push(((omega(wave) - expected).modulus(), branch, index));
             }
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -2,7 +2,7 @@
 
 use super::binary_form::BinaryForm;
 use crate::list::StackList;
-use models::common::elementary::cr_arg;
+use models::common::elementary::{Modulus, cr_arg};
 use std::f64::consts::PI;
 
 impl BinaryForm {
@@ -30,7 +30,7 @@ pub fn ratio_extrema(a: &BinaryForm, b: &BinaryForm) -> StackList<f64> {
     product(a, &b.derivative(), -1.0, &mut slope);
     slope
         .unit_circle_roots()
-        .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
+        .filter(|z| (z.modulus() - 1.0).abs() < 1e-3)
         .map(|z| (0.5 * cr_arg(z)).rem_euclid(PI))
         .collect()
 }

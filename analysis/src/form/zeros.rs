@@ -4,7 +4,7 @@ use super::binary_form::BinaryForm;
 use crate::list::{StackList, list};
 use crate::roots;
 use models::Rounded;
-use models::common::elementary::cr_arg;
+use models::common::elementary::{Modulus, cr_arg};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -26,7 +26,7 @@ impl BinaryForm {
         let curvature = derivative.derivative();
         let mut angles: StackList<f64> = derivative
             .unit_circle_roots()
-            .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
+            .filter(|z| (z.modulus() - 1.0).abs() < 1e-3)
             .map(|z| {
                 let mut angle = cr_arg(z) / 2.0;
                 for _ in 0..4 {
@@ -66,8 +66,8 @@ impl BinaryForm {
             }
         }
         // A leading coefficient of rounding size gives a root at infinity, which corresponds to no direction.
-        let size = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
-        while polynomial.last().is_some_and(|c| c.norm() <= 1e-14 * size) {
+        let size = polynomial.iter().map(|c| c.modulus()).fold(0.0, f64::max);
+        while polynomial.last().is_some_and(|c| c.modulus() <= 1e-14 * size) {
             polynomial.pop();
         }
         roots::solve(&polynomial).into_iter()

@@ -2,6 +2,7 @@
 
 use super::directional_waves;
 use crate::waves::{FrequencyInterval, WaveFamily, WaveMode};
+use models::common::elementary::Modulus;
 use models::elastoplastic::Solid;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
@@ -57,8 +58,8 @@ pub fn group_branches(
                 && other.family.branch_count() == family.branch_count()
                 && [0.0, 0.3 * max_wave_number, max_wave_number].iter().all(|&k| {
                     let (a, b) = (at(&other.family, k), at(&family, k));
-                    let largest = a.iter().map(|x| x.norm()).fold(0.0, f64::max);
-                    a.iter().zip(&b).all(|(x, y)| (x - y).norm() <= 1e-12 * largest)
+                    let largest = a.iter().map(|x| x.modulus()).fold(0.0, f64::max);
+                    a.iter().zip(&b).all(|(x, y)| (x - y).modulus() <= 1e-12 * largest)
                 })
         };
         match groups.iter_mut().find(|group| is_same(group)) {

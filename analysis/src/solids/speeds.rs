@@ -3,7 +3,7 @@
 use crate::acoustic_tensor2::AcousticTensor2;
 use crate::line_search::find_sectors;
 use crate::waves::squared_speeds;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::common::rates::RateEquations;
 use models::elastoplastic::Solid;
 use models::solid::stress::Stress;
@@ -179,7 +179,7 @@ fn zero_speed_cause(solid: &Solid, angle: f64) -> ZeroSpeedCause {
 /// infinite if all are zero.
 pub fn slowest_speed(equations: &RateEquations<3>, normal: [f64; 3]) -> f64 {
     let squares = squared_speeds(equations, normal);
-    let largest = squares.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    let largest = squares.iter().map(|c| c.modulus()).fold(0.0, f64::max);
     if squares.iter().any(|c| is_complex(c, largest) || c.re < -ZERO_SPEED_TOLERANCE * largest) {
         return f64::NAN;
     }

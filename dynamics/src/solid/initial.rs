@@ -1,7 +1,7 @@
 //! Initial states: lithostatic stress, plane waves and plane pulses.
 
 use crate::solid::medium::Medium;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
@@ -78,9 +78,9 @@ pub fn normalise_velocity(
     let speed = velocities().map(|own| own.1.norm_sqr()).sum::<f64>().sqrt();
     let max_amplitude = velocities()
         .map(|(_, amplitude)| *amplitude)
-        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+        .max_by(|a, b| a.modulus().total_cmp(&b.modulus()))
         .filter(|_| density.sqrt() * speed > 1e-6)
-        .map(|amplitude| amplitude.unscale(amplitude.norm()).scale(speed))?;
+        .map(|amplitude| amplitude.unscale(amplitude.modulus()).scale(speed))?;
     Some(
         amplitudes
             .into_iter()

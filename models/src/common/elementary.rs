@@ -88,6 +88,7 @@ impl Elementary for f64 {
     }
 
     // Computed from products and a square root, since `pxfm::f_hypot` (0.1.30) is not correctly rounded.
+    #[inline]
     fn root_sum_square(self, other: Self) -> Self {
         /// Magnitudes of the larger argument for which the sum of both squares neither overflows nor underflows.
         const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-140..1e140;
@@ -96,15 +97,28 @@ impl Elementary for f64 {
         const SCALE_FACTOR: f64 = f64::from_bits((1023 + 600) << 52);
         let largest = self.abs().max(other.abs());
         let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
-        if self.is_infinite() || other.is_infinite() {
-            f64::INFINITY
-        } else if SAFE_MAGNITUDES.contains(&largest) || largest == 0.0 {
+        if SAFE_MAGNITUDES.contains(&largest) || largest == 0.0 {
             norm(self, other)
+        } else if self.is_infinite() || other.is_infinite() {
+            f64::INFINITY
         } else if largest < 1.0 {
             norm(self * SCALE_FACTOR, other * SCALE_FACTOR) / SCALE_FACTOR
         } else {
             norm(self / SCALE_FACTOR, other / SCALE_FACTOR) * SCALE_FACTOR
         }
+    }
+}
+
+/// Modulus of a complex number with platform-independent bits.
+pub trait Modulus {
+    /// |z| = √(re² + im²) by [`Elementary::root_sum_square`].
+    fn modulus(self) -> f64;
+}
+
+impl Modulus for Complex<f64> {
+    #[inline]
+    fn modulus(self) -> f64 {
+        self.re.root_sum_square(self.im)
     }
 }
 

@@ -12,7 +12,7 @@ use analysis::energy;
 use analysis::solids::{self, AcousticTensorCache, SolidAssessment, SolidAssessor};
 use analysis::waves::DirectionalWaves;
 use models::InputError;
-use models::common::elementary::Elementary;
+use models::common::elementary::{Elementary, Modulus};
 use models::elastoplastic::Solid;
 use models::solid::stress::Stress;
 use models::yield_set::tangent::NoResponse;
@@ -319,9 +319,9 @@ fn to_pairs(list: &[Complex64]) -> Vec<[f64; 2]> {
 fn squared_speeds(waves: &DirectionalWaves) -> Vec<Complex64> {
     let mut all: Vec<Complex64> =
         waves.families.iter().flat_map(|family| family.squared_speeds()).collect();
-    let largest = all.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    let largest = all.iter().map(|c| c.modulus()).fold(0.0, f64::max);
     for square in &mut all {
-        if square.norm() <= 1e-13 * largest {
+        if square.modulus() <= 1e-13 * largest {
             *square = Complex64::from(0.0);
         }
     }

@@ -21,6 +21,7 @@ use analysis::flows::FlowWorkspace;
 use analysis::growth::Verdict;
 use dynamics::flow::{FlowEnergy, FlowProblem, LeftDomain};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
+use models::common::elementary::Modulus;
 
 /// Upper bound of the number of `f64` values stored per grid point: 24, measured for 1024² points, plus those of a
 /// checkpoint and a snapshot.
@@ -63,7 +64,7 @@ impl<'a> FlowJob<'a> {
         let directions =
             (0..DIRECTION_COUNT).map(|i| std::f64::consts::PI * i as f64 / DIRECTION_COUNT as f64);
         let roots = directions.flat_map(|direction| polynomial.roots(number, direction, &[]));
-        Some(roots.map(|root| root.norm()).filter(|rate| rate.is_finite()).fold(0.0, f64::max))
+        Some(roots.map(|root| root.modulus()).filter(|rate| rate.is_finite()).fold(0.0, f64::max))
     }
 
     /// Estimates the smallest possible cost. Steps are 1/[`DEFAULT_LEDGER_ROWS`] of the duration, or shorter if the

@@ -2,7 +2,7 @@
 
 use super::{BlochPhase, Chain, ChainElement, TransferFactor};
 use crate::bloch::{BlochError, ensure};
-use models::common::elementary::{Elementary, cr_arg};
+use models::common::elementary::{Elementary, Modulus, cr_arg};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -47,7 +47,7 @@ impl Chain {
         let larger = candidates.into_iter().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
         let larger = larger.unwrap_or(half_trace);
         // e^(−iκh) = 1/larger.
-        Ok(Complex64::new(cr_arg(larger), -larger.norm().cr_ln().max(0.0)))
+        Ok(Complex64::new(cr_arg(larger), -larger.modulus().cr_ln().max(0.0)))
     }
 
     /// Complex angular frequency ω of the damped wave e^{i(ωt − κx)} of branch `branch` at the real phase shift κh,
@@ -76,7 +76,8 @@ impl Chain {
             let next = f64::min(delayed_share + step, 1.0);
             match self.solve_newton(frequency, target, next) {
                 Some(root)
-                    if (root - frequency).norm() <= MAX_RELATIVE_CHANGE * frequency.norm() =>
+                    if (root - frequency).modulus()
+                        <= MAX_RELATIVE_CHANGE * frequency.modulus() =>
                 {
                     (delayed_share, frequency) = (next, root);
                     step *= 1.5;
@@ -112,7 +113,7 @@ impl Chain {
             if !frequency.is_finite() {
                 return None;
             }
-            if change.norm() <= NEWTON_TOLERANCE * frequency.norm() {
+            if change.modulus() <= NEWTON_TOLERANCE * frequency.modulus() {
                 return Some(frequency);
             }
         }

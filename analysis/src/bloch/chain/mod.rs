@@ -418,7 +418,7 @@ impl Frequency for f64 {
 
 impl Frequency for Complex64 {
     fn modulus(self) -> f64 {
-        self.norm()
+        self.re.root_sum_square(self.im)
     }
 
     fn sin_cos(self) -> (Self, Self) {
