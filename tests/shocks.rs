@@ -171,7 +171,7 @@ fn other_verbs_and_wrong_requests_are_refused_with_the_key() {
         for is_dry_run in [true, false] {
             let error = run_verb(verb, "foam-collapse.toml", &out, is_dry_run).unwrap_err();
             assert!(
-                error.contains("porous: found, but this verb takes only solids without"),
+                error.contains("porous: not used here: this command takes solids without"),
                 "{error}"
             );
         }

@@ -85,10 +85,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
     ),
     (
         "point section.toml",
-        &[
-            "section.toml:7: yeild: unknown key or section; ",
-            "did you mean 'yield'? allowed here: ",
-        ],
+        &["section.toml:7: yeild: unknown key or section; ", "did you mean 'yield'?"],
     ),
     (
         "point missing.toml",
@@ -188,7 +185,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
     ),
     (
         "point noncoaxiality-bound --set background.pressure=1e308",
-        &["background.pressure: found 1e308; ", "expected a physical magnitude"],
+        &["background.pressure: found 1e308; ", "expected one that occurs in materials"],
     ),
     (
         "point noncoaxiality-bound --set model.friction_angle_deg=95",
@@ -369,7 +366,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
     (
         "map foam-open",
         &[
-            "porous: found, but this verb takes only solids without contacts and pores; ",
+            "porous: not used here: this command takes solids without contacts and pores; ",
             "use wellposed shocks",
         ],
     ),

@@ -50,7 +50,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
             "[20, 30, 40]",
             "grid sizes, ascending; solids: cells per period along each axis of two or three grids; plane waves: cells of the columns, in two to five; flows: points along each axis of two to five grids of the convergence study",
         )
-        .with_note("one number per grid: cells per period (solids), of the column (plane waves), or points along an axis (flows)"),
+        .with_note("one number per grid, such as [20, 40]: cells per period of a solid, cells of a column, or points along an axis of a flow"),
     ])],
 );
 

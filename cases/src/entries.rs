@@ -432,8 +432,13 @@ fn check_bare_text(
     let message = error.message();
     let detail = if message.contains("unclosed") { format!(": {message}") } else { String::new() };
     let found = format!("found '{}', which is not TOML{}", escape(text), escape(&detail));
-    let allowed = "texts in lists and tables have double quotes, which a shell keeps only inside single quotes, as \
-                   in --set 'KEY=[\"text\"]'";
+    let allowed = match text.contains(char::is_alphabetic) {
+        true => {
+            "texts in lists and tables have double quotes, which a shell keeps only inside single quotes, as in \
+             --set 'KEY=[\"text\"]'"
+        }
+        false => "close the bracket or quotation mark",
+    };
     refused(&found, allowed.to_owned()).map(drop)
 }
 
@@ -513,7 +518,9 @@ fn choose_syntax_remedy(message: &str, line: &str) -> &'static str {
         before.bytes().all(|byte| byte.is_ascii_digit())
             && after.starts_with(|c: char| c.is_ascii_digit())
     });
-    if message.contains("duplicate key") {
+    if line.contains('=') && value.is_empty() {
+        "give a value after '=': a number, a text in quotes, a list [1, 2] or a table { key = value }"
+    } else if message.contains("duplicate key") {
         "give each key once"
     } else if has_decimal_comma {
         "write a point for the decimal comma, as in 1.5e9"

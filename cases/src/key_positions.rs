@@ -1,7 +1,9 @@
 //! Positions of the keys of a case in its file or in `--set` options, for error messages.
 
+use super::bundled::{bundled_case_name, find_bundled_case};
 use super::error::{CaseError, SourcePosition, escape};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Positions of the keys and sections of a case.
@@ -141,12 +143,19 @@ impl KeyPositions {
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        CaseError::Key {
-            position: self.locate(key),
-            key: escape(self.resolve_alias(key)),
-            found: found.into(),
-            allowed: allowed.into(),
+        let (position, mut allowed) = (self.locate(key), allowed.into());
+        // What is missing can only be added to a copy of a bundled case.
+        if let SourcePosition::File(file) = &position
+            && !Path::new(file).exists()
+            && let Some((path, _)) = find_bundled_case(file)
+        {
+            let name = bundled_case_name(path);
+            allowed = format!(
+                "{allowed}; copy the case first: wellposed cases show {name} > {name}.toml"
+            );
         }
+        let key = escape(self.resolve_alias(key));
+        CaseError::Key { position, key, found: found.into(), allowed }
     }
 }
 

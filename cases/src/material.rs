@@ -234,7 +234,8 @@ pub(super) fn check_cell_counts(entries: &CaseEntries, kind: ModelKind) -> Resul
     let found = format!("found {count} entries for a solid in {stated} dimensions");
     let allowed = match stated {
         2 => {
-            "expected 2 entries; in space also grid.spacing, grid.origin and all points have three"
+            "expected 2 entries, such as [200, 200]; for a solid in space set model.dimensions = 3, and give \
+             grid.spacing, grid.origin and all points three entries too"
         }
         _ => "expected 3 entries, as model.dimensions states; or set model.dimensions = 2",
     };

@@ -67,8 +67,8 @@ impl Case {
     /// different joints along one axis, or blocks that are not classical elastic solids.
     pub fn to_periodic_blocks(&self) -> Result<PeriodicBlocks, CaseError> {
         let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
-            let allowed = "for a blocky medium, add [[block]] with cells, size and repeat in place of \
-                           [grid], and [[joint]] (wellposed new classical --run shows the sections)";
+            let allowed = "for a blocky medium, add [[block]] with cells, size and repeat in place of [grid], and \
+                           [[joint]]; wellposed cases show instant-rotation-elastic prints one";
             return Err(self.solid_section_error("block", allowed));
         };
         if let Some(second) = blocks.entries.get(1) {

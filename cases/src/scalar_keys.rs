@@ -7,7 +7,7 @@ use super::keys::{Key, Presence, keys};
 use super::kind::{MediumKind, ModelKind, YieldSetKind, join_names};
 use super::numbers::CaseNumbers;
 use super::types::{MAX_NAME_LENGTH, is_name_too_long};
-use super::value::{CaseValue, find_similar_name, format_allowed, format_suggestion};
+use super::value::{CaseValue, find_similar_name, format_allowed};
 use models::common::decimal::format_exact;
 use models::registry;
 use std::path::Path;
@@ -141,9 +141,10 @@ pub(super) fn read_numbers(
         let namesake =
             keys().iter().find(|k| is_used(k) && k.split_section().1 == key.split_section().1);
         let meant = namesake.map(|key| key.name).or_else(|| {
-            find_similar_name(key.name, keys().iter().filter(|k| is_used(k)).map(|key| key.name))
+            let section = key.split_section().0;
+            let used = keys().iter().filter(|k| is_used(k) && k.split_section().0 == section);
+            find_similar_name(key.name, used.map(|key| key.name))
         });
-        let meant = format_suggestion(meant);
         let of_kind = media.iter().any(|medium| key.is_used_by_kind(medium.kind));
         let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yield_set) {
             (true, None) => ("an elastic solid".into(), key.yield_set_names()),
@@ -156,7 +157,16 @@ pub(super) fn read_numbers(
         return Err(entries.positions.key_error(
             key.name,
             format!("not used by {user}"),
-            format!("{meant}leave it out (it belongs to {})", owners.join(", ")),
+            match meant {
+                Some(meant) => {
+                    format!(
+                        "did you mean '{meant}'? ({} belongs to {})",
+                        key.name,
+                        owners.join(", ")
+                    )
+                }
+                None => format!("leave it out (it belongs to {})", owners.join(", ")),
+            },
         ));
     }
     let mut numbers = CaseNumbers::default();

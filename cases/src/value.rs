@@ -277,7 +277,7 @@ pub(super) fn format_suggestion(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
 }
 
-/// Formats the allowed names for messages, after the suggestion `meant`; a long list only where there is no suggestion.
+/// Formats the suggestion `meant` and the allowed names for messages; of a long list only the suggestion.
 /// `label` is "allowed", "allowed here" or the like.
 pub(super) fn format_allowed(
     label: &str,
@@ -287,7 +287,7 @@ pub(super) fn format_allowed(
     const MAX_LISTED_BESIDE_SUGGESTION: usize = 12;
     match meant {
         Some(meant) if names.len() > MAX_LISTED_BESIDE_SUGGESTION => {
-            format!("did you mean '{meant}', one of {} {label}?", names.len())
+            format!("did you mean '{meant}'?")
         }
         _ => format!("{}{label}: {}", format_suggestion(meant), join_with_commas(names)),
     }
@@ -322,7 +322,7 @@ mod tests {
             "did you mean 'name1'? allowed: name1, name2"
         );
         let found = format_allowed("allowed here", near, &names);
-        assert_eq!(found, "did you mean 'name1', one of 20 allowed here?");
+        assert_eq!(found, "did you mean 'name1'?");
         assert!(format_allowed("allowed", None, &names).ends_with("name19, name20"));
     }
 

@@ -228,7 +228,7 @@ fn other_studies_refuse_media_with_contacts() {
     let error = parse(POROUS).unwrap().check_without_contacts().unwrap_err().to_string();
     assert!(
         error.starts_with(
-            "x.toml:7: porous: found, but this verb takes only solids without contacts and pores; "
+            "x.toml:7: porous: not used here: this command takes solids without contacts and pores; "
         ),
         "{error}"
     );

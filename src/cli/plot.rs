@@ -42,10 +42,10 @@ pub fn plot(
 ) -> Result<(), CommandError> {
     let has_results = |verb: &&str| path.join(format!("{verb}.json")).exists();
     let studies: Vec<&str> = STUDIES.into_iter().filter(has_results).collect();
-    if path.is_dir() && studies.is_empty() && !path.join(CASE_FILE).exists() {
+    if studies.is_empty() && !path.join(CASE_FILE).exists() {
         return Err(OutputError {
             path: path.to_owned(),
-            cause: "no results".to_owned(),
+            cause: if path.is_dir() { "no results" } else { "no such folder" }.to_owned(),
             remedy: "name a folder with results of wellposed map, point, dispersion, diagram, speeds, shocks, check, \
                      split or run",
         }

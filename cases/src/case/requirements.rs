@@ -63,7 +63,7 @@ impl Case {
         self.map.as_ref().ok_or_else(|| {
             let [x, y] = self.example_map_axes();
             let allowed = format!(
-                "add a section [map] with the two parameters to vary, such as x = {x}, y = {y}"
+                "add a section [map] with the two parameters to vary, each on its line: x = {x} and y = {y}"
             );
             self.material.positions.key_error("map", "missing", allowed)
         })
@@ -153,7 +153,7 @@ impl Case {
     pub fn check_without_contacts(&self) -> Result<(), CaseError> {
         let Some(own) = &self.material.contacts else { return Ok(()) };
         let allowed = "use wellposed shocks or run, or leave the section out to analyse the elastic solid of [model]";
-        let found = "found, but this verb takes only solids without contacts and pores";
+        let found = "not used here: this command takes solids without contacts and pores";
         Err(self.material.positions.key_error(own.section(), found, allowed))
     }
 }
