@@ -90,6 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ],
         measured_points: Vec::new(),
         disagreeing_points: Vec::new(),
+        remarks: Vec::new(),
     };
     std::fs::write(Path::new(&path), figure.draw(FigureFormat::Png)?)?;
     Ok(())

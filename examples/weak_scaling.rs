@@ -148,11 +148,12 @@ fn draw_panel<const D: usize>(scenario: &Scenario) -> Result<CurvePanel, Box<dyn
         }
     }
     Ok(CurvePanel {
-        x_label: format!("{}: log₁₀ of the number of ranks", scenario.title),
+        x_label: format!("{}: number of ranks", scenario.title),
         y_label: "efficiency T(1)/T(P) (%)".to_owned(),
         curves,
         points: vec![[2f64.log10(), 100.0 * scenario.measured_efficiency]],
         point_label: "measured: two threads of one machine".to_owned(),
+        is_x_log: true,
         y_values: Some([0.0, 100.0]),
         ..CurvePanel::default()
     })

@@ -4,8 +4,10 @@
 
 use figures::{FigureFormat, FigureOptions, FigureSize};
 use wellposed::CASES;
-use wellposed::case::Case;
+use wellposed::case::{Case, TimeDomainRun};
 use wellposed::report::{PictureOptions, Report, draw_pictures};
+use wellposed::study::check::CheckExtent;
+use wellposed::study::simulate::SimulationSettings;
 use wellposed::study::{self, MapOptions, ignore_progress};
 
 /// Pictures of studies with covering texts.
@@ -99,4 +101,52 @@ fn texts_of_maps_cover_nothing() {
     let Layouts { checked, covering } = layouts;
     assert!(covering.is_empty(), "{covering:#?}");
     assert!(checked.len() >= 28, "{checked:?}");
+}
+
+/// Checks the pictures of runs of a two-hundredth of the duration: fields with names, numbers and arrows, records and
+/// ledgers.
+fn check_runs(is_selected: impl Fn(&Case) -> bool) -> Layouts {
+    let mut layouts = Layouts::default();
+    for own in CASES.iter().copied() {
+        let case = parse(own, &[]);
+        let duration = match case.time_domain_run() {
+            Ok(TimeDomainRun::Solid(run)) => run.time.duration,
+            _ => continue,
+        };
+        if is_selected(&case) {
+            let case = parse(own, &[&format!("time.duration={:e}", 0.005 * duration)]);
+            let settings = SimulationSettings::default();
+            layouts.check(&case, study::simulate(&case, settings, &ignore_progress));
+        }
+    }
+    layouts
+}
+
+/// Whether a run has few cells.
+fn is_small(case: &Case) -> bool {
+    let grid = case.solid_run.as_ref().map(|run| &run.grid);
+    grid.is_some_and(|grid| grid.cell_count() < 20_000)
+}
+
+#[test]
+fn texts_of_small_runs_cover_nothing() {
+    let Layouts { checked, covering } = check_runs(is_small);
+    assert!(covering.is_empty(), "{covering:#?}");
+    assert!(checked.len() > 20, "{checked:?}");
+}
+
+#[test]
+#[ignore = "a minute: runs of many cells, and checks"]
+fn texts_of_runs_and_checks_cover_nothing() {
+    let mut layouts = check_runs(|case| !is_small(case));
+    for own in CASES.iter().copied() {
+        let case = parse(own, &[]);
+        if case.compared_kinds.is_none() && !is_expensive(&case) {
+            let found = study::check_agreement(&case, CheckExtent::Short, &ignore_progress);
+            layouts.check(&case, found);
+        }
+    }
+    let Layouts { checked, covering } = layouts;
+    assert!(covering.is_empty(), "{covering:#?}");
+    assert!(checked.len() > 60, "{checked:?}");
 }

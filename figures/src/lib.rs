@@ -44,7 +44,7 @@ pub use dispersion::{DispersionBranch, DispersionFigure, FrequencyBand, Referenc
 pub use error::FigureError;
 pub use field::{
     FieldArrow, FieldArrows, FieldAxis, FieldBody, FieldFigure, FieldLine, FieldLineSet,
-    FieldLineStyle, FieldMark, FieldMarkKind, FieldPairFigure,
+    FieldLineStyle, FieldMark, FieldMarkKind, FieldOutline, FieldPairFigure,
 };
 pub use format::{FigureFormat, FigureOptions, FigureOutput, FigureSize};
 pub use growth::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};

@@ -33,6 +33,8 @@ pub struct CurvePanel {
     pub points: Vec<[f64; 2]>,
     /// Legend text of the points; empty for none.
     pub point_label: String,
+    /// Whether the values of the horizontal axis are decimal logarithms, whose ticks are written as powers of ten.
+    pub is_x_log: bool,
     /// Ends of the horizontal axis; `None` for the range of the curves and points with a margin.
     pub x_ends: Option<[f64; 2]>,
     /// Least and greatest value of the vertical axis, such as those of all frames of an
@@ -88,6 +90,8 @@ const MARK_HEIGHT: f64 = 16.0;
 const MARK_ROW_HEIGHT: f64 = 2.0 * MARK_HEIGHT + 1.2 * MARK_NAME_SIZE;
 /// Height of the frame of a panel, pixels.
 const PANEL_HEIGHT: f64 = 400.0;
+/// Height of the row of the letters of the panels, pixels.
+const LETTER_ROW_HEIGHT: f64 = 26.0;
 /// Distance between two panels beside each other, pixels.
 const COLUMN_GAP: f64 = 30.0;
 
@@ -108,7 +112,9 @@ impl PanelsFigure {
         let has_marks = self.panels.iter().any(|panel| !panel.marks.is_empty());
         let marks_height = if has_marks { MARK_ROW_HEIGHT } else { 0.0 };
         let panel_height = page::scale_height(PANEL_HEIGHT);
-        let row_height = panel_height + page::BOTTOM_AXIS_HEIGHT + 30.0 + marks_height;
+        let letter_height = if self.panels.len() > 1 { LETTER_ROW_HEIGHT } else { 0.0 };
+        let above = marks_height + letter_height;
+        let row_height = panel_height + page::BOTTOM_AXIS_HEIGHT + 30.0 + above;
         let columns = if page::is_narrow() { 1 } else { self.panels.len().clamp(1, 2) };
         let rows = self.panels.len().div_ceil(columns).max(1) as f64;
         let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
@@ -128,7 +134,7 @@ impl PanelsFigure {
         for (index, panel) in self.panels.iter().enumerate() {
             let (column, row) = (index % columns, index / columns);
             let left = MARGIN + column as f64 * (width + COLUMN_GAP);
-            let top = top + row as f64 * row_height + marks_height;
+            let top = top + row as f64 * row_height + above;
             let frame = Rectangle {
                 left: left + axis_widths[column],
                 top,
@@ -136,9 +142,25 @@ impl PanelsFigure {
                 bottom: top + panel_height,
             };
             panel.draw(&mut picture, frame, [&labels, &positions]);
+            if self.panels.len() > 1 {
+                let at = [frame.left, frame.top - marks_height - 9.0];
+                let text = format!("({})", panel_letter(index));
+                picture.draw_text(Text::new(at, Anchor::Start, page::TICK_LABEL_SIZE, text));
+            }
         }
         legend.draw(&mut picture, MARGIN, top + rows * row_height);
         picture
+    }
+
+    /// Adds the letters of the panels with an element to its legend text, unless all panels have it.
+    fn with_letters(&self, text: &str, has_element: impl Fn(&CurvePanel) -> bool) -> String {
+        let panels = self.panels.iter().enumerate().filter(|(_, panel)| has_element(panel));
+        let letters: Vec<String> =
+            panels.map(|(index, _)| panel_letter(index).to_string()).collect();
+        match letters.len() == self.panels.len() {
+            true => text.to_owned(),
+            false => format!("{text} ({})", letters.join(", ")),
+        }
     }
 
     /// Returns the labels of all curves, in the order of their first occurrence.
@@ -161,24 +183,29 @@ impl PanelsFigure {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 style.draw_swatch(picture, area);
             };
-            entries.push(((*label).to_owned(), Box::new(swatch)));
+            let has_label =
+                |panel: &CurvePanel| panel.curves.iter().any(|curve| curve.label == *label);
+            entries.push((self.with_letters(label, has_label), Box::new(swatch)));
         }
         if let Some(first) = self.panels.iter().find_map(|panel| panel.reference_lines.first()) {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 picture.draw_line(swatch_line(area), REFERENCE_LINE_WIDTH, REFERENCE_LINE_COLOUR);
             };
-            entries.push((first.label.clone(), Box::new(swatch)));
+            let text = self.with_letters(&first.label, |panel| !panel.reference_lines.is_empty());
+            entries.push((text, Box::new(swatch)));
         }
         for (index, label) in self.distinct_positions().into_iter().enumerate() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 draw_position(picture, index, 0.5 * (area.left + area.right), area);
             };
-            entries.push((label.to_owned(), Box::new(swatch)));
+            let has_set = |panel: &CurvePanel| panel.positions.iter().any(|own| own.0 == label);
+            entries.push((self.with_letters(label, has_set), Box::new(swatch)));
         }
         if let Some((label, _)) = self.panels.iter().find_map(|panel| panel.level.as_ref()) {
             let swatch =
                 |picture: &mut Picture, area: Rectangle| draw_level(picture, swatch_line(area));
-            entries.push((label.clone(), Box::new(swatch)));
+            let text = self.with_letters(label, |panel| panel.level.is_some());
+            entries.push((text, Box::new(swatch)));
         }
         let is_labelled =
             |panel: &&CurvePanel| !panel.points.is_empty() && !panel.point_label.is_empty();
@@ -187,7 +214,8 @@ impl PanelsFigure {
                 let [from, to] = swatch_line(area);
                 picture.fill_disc([0.5 * (from[0] + to[0]), from[1]], POINT_RADIUS, INK);
             };
-            entries.push((panel.point_label.clone(), Box::new(swatch)));
+            let text = self.with_letters(&panel.point_label, |own| is_labelled(&own));
+            entries.push((text, Box::new(swatch)));
         }
         if self.panels.iter().any(|panel| !panel.loaded_ends.is_empty()) {
             let swatch = |picture: &mut Picture, area: Rectangle| {
@@ -220,6 +248,11 @@ impl PanelsFigure {
         }
         labels
     }
+}
+
+/// Returns the letter of the panel with this index: a, b, c …
+fn panel_letter(index: usize) -> char {
+    ('a'..='z').nth(index).unwrap_or('z')
 }
 
 /// Returns the style of the curves whose label has this index.
@@ -283,8 +316,9 @@ impl CurvePanel {
             [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]
         };
         let (x_ticks, x_factor) =
-            page::choose_ticks_with_multiplier(frame.width(), false, |count| {
-                scale::linear_ticks_with_multiplier(x[0], x[1], count)
+            page::choose_ticks_with_multiplier(frame.width(), false, |count| match self.is_x_log {
+                true => (scale::log_ticks(x[0], x[1], count), String::new()),
+                false => scale::linear_ticks_with_multiplier(x[0], x[1], count),
             });
         let across: Vec<Tick> =
             x_ticks.into_iter().map(|(value, name)| (at([value, y[0]])[0], name)).collect();

@@ -1,11 +1,11 @@
 //! Spectra: a quantity against the mode number, on logarithmic axes.
 
-use crate::dispersion::{draw_disagreement, draw_ring};
+use crate::dispersion::{draw_disagreement, draw_ring, draw_rings};
 use crate::error::FigureError;
 use crate::format::FigureOutput;
 use crate::growth::{GRID_COLOUR, LabelledCurve, LineStyle, build_line_entries};
-use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
-use crate::picture::{INK, Picture, Rectangle};
+use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
+use crate::picture::{Colour, INK, Picture, Point, Rectangle};
 use crate::scale::{self, Tick};
 
 /// Spectra of a positive quantity at several times, against the mode number; both axes are logarithmic.
@@ -29,6 +29,8 @@ pub struct SpectrumFigure {
     pub measured_points: Vec<Vec<[f64; 2]>>,
     /// Those of the measured points that disagree with the lines, marked by red crosses.
     pub disagreeing_points: Vec<[f64; 2]>,
+    /// Remarks on what is not drawn, such as a model without positive values; listed last, in parentheses.
+    pub remarks: Vec<String>,
 }
 
 /// Maximum number of decades of the vertical axis.
@@ -114,6 +116,10 @@ impl SpectrumFigure {
             );
             entries.push((text, Box::new(|_, _| {})));
         }
+        let remarks = self.remarks.iter().map(|text| -> LegendEntry {
+            (format!("({text})"), Box::new(|_: &mut Picture, _| {}))
+        });
+        entries.extend(remarks);
         let legend = Legend::new(entries, page::width() - 2.0 * MARGIN);
         let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
         let mut picture = page::create_page(page::height(), &self.title, &self.subtitle);
@@ -155,11 +161,14 @@ impl SpectrumFigure {
                 }
             }
         }
-        for (index, own) in series.iter().enumerate() {
-            for point in own.rings.iter().filter(|point| is_drawn(point)) {
-                draw_ring(&mut picture, at(*point), LineStyle::from_index(index).colour);
-            }
-        }
+        let rings: Vec<(Point, Colour)> = series
+            .iter()
+            .enumerate()
+            .flat_map(|(index, own)| own.rings.iter().map(move |point| (index, point)))
+            .filter(|(_, point)| is_drawn(point))
+            .map(|(index, point)| (at(*point), LineStyle::from_index(index).colour))
+            .collect();
+        draw_rings(&mut picture, &rings, frame);
         for point in disagreeing.iter().filter(|point| is_drawn(point)) {
             draw_disagreement(&mut picture, at(*point));
         }
@@ -213,6 +222,7 @@ mod tests {
             spectra: (0..times).map(line).collect(),
             measured_points: vec![(1..4).map(f64::from).map(|n| [n, value(n, 0)]).collect()],
             disagreeing_points: vec![[2.0, value(2.0, 0)]],
+            remarks: vec!["nothing grows".to_owned()],
         }
     }
 

@@ -254,6 +254,17 @@ impl InitialStateTerm {
         "loosening",
     ];
 
+    /// Returns the shape inside which the term differs from zero; `None` for pulses and waves.
+    pub const fn shape(&self) -> Option<&RegionShape> {
+        match self {
+            Self::Rotation { shape, .. }
+            | Self::RigidRotation { shape, .. }
+            | Self::Uniform { shape, .. }
+            | Self::Loosening { shape, .. } => Some(shape),
+            Self::Pulse { .. } | Self::PlaneWave { .. } | Self::PlanePulse(_) => None,
+        }
+    }
+
     /// Returns the name of the kind of initial state in case files.
     pub const fn name(&self) -> &'static str {
         match self {

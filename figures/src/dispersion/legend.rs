@@ -38,7 +38,7 @@ impl DispersionFigure {
             line("cut-off frequency", CUTOFF_DASHES, LEVEL_LINE_WIDTH, INK);
         }
         if has_drawn_level(&self.speed_limits, false) {
-            line("limit of the speed", SPEED_LIMIT_DASHES, LEVEL_LINE_WIDTH, INK);
+            line("limit of the speed as k → ∞", SPEED_LIMIT_DASHES, LEVEL_LINE_WIDTH, INK);
         }
         if has_measured {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
@@ -63,6 +63,12 @@ impl DispersionFigure {
                     }),
                 ));
             }
+        }
+        let highest = self.axis_scales()[2].high;
+        let mut speeds = self.branches.iter().flat_map(Self::branch_phase_speeds);
+        if speeds.any(|[_, speed]| speed.is_finite() && speed > highest) {
+            let text = "(phase speeds beyond the axis not drawn)".to_owned();
+            entries.push((text, Box::new(|_, _| {})));
         }
         if self.has_growth() && self.is_wave_number_log {
             entries.push((

@@ -14,5 +14,5 @@ mod tests;
 pub use figure::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
 pub(crate) use number_discs::{
     DISAGREEMENT_COLOUR, NUMBER_DISC_RADIUS, draw_disagreement, draw_number_disc, draw_ring,
-    number_disc_area,
+    draw_rings, number_disc_area,
 };

@@ -45,10 +45,33 @@ pub(crate) fn draw_numbers(
 
 /// Draws the ring of a measured point.
 pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
-    picture.mark_point(place, RING_RADIUS);
-    picture.fill_disc(place, RING_RADIUS + 1.5, WHITE);
-    picture.fill_disc(place, RING_RADIUS, colour);
-    picture.fill_disc(place, RING_RADIUS - 3.5, WHITE);
+    draw_ring_of_radius(picture, place, RING_RADIUS, colour);
+}
+
+/// Draws rings, each with its colour, inside a frame, which omits those that it would clip. Of rings at about one place
+/// the earlier ones enclose the later ones, which would hide them.
+pub(crate) fn draw_rings(picture: &mut Picture, rings: &[(Point, Colour)], frame: Rectangle) {
+    for (index, (place, colour)) in rings.iter().enumerate() {
+        let [x, y] = *place;
+        let is_hidden_by =
+            |(other, _): &&(Point, Colour)| (other[0] - x).hypot(other[1] - y) < RING_RADIUS;
+        let inner = rings[index + 1..].iter().filter(is_hidden_by).count();
+        let radius = RING_RADIUS * (1.0 + 0.55 * inner as f64);
+        if x > frame.left + radius
+            && x < frame.right - radius
+            && y > frame.top + radius
+            && y < frame.bottom - radius
+        {
+            draw_ring_of_radius(picture, *place, radius, *colour);
+        }
+    }
+}
+
+fn draw_ring_of_radius(picture: &mut Picture, place: Point, radius: f64, colour: Colour) {
+    picture.mark_point(place, radius);
+    picture.fill_disc(place, radius + 1.5, WHITE);
+    picture.fill_disc(place, radius, colour);
+    picture.fill_disc(place, radius - 3.5, WHITE);
 }
 
 /// Draws the mark of a measured point that disagrees: a red cross over its ring.

@@ -6,14 +6,14 @@ use super::axes::{AxisScale, ScaleKind};
 use super::figure::{FrequencyBand, ReferenceLevel};
 use super::labels::{LABEL_SIZE, densify, place_branch_numbers, place_text};
 use super::number_discs::{
-    RING_RADIUS, draw_disagreement, draw_numbers, draw_ring, number_disc_area, numbers_area,
+    draw_disagreement, draw_numbers, draw_rings, number_disc_area, numbers_area,
 };
 use super::styles::{BAND_COLOUR, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH};
 use crate::directions::spread_heights;
 use crate::growth::{GRID_COLOUR, LINEAR_RANGE_COLOUR, LineStyle};
 use crate::page::{self, FRAME_LINE_WIDTH};
 use crate::picture::{
-    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, clip_polyline, text_width,
+    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, clip_polyline, text_width,
 };
 use crate::scale::Tick;
 
@@ -166,19 +166,12 @@ impl DispersionPanel<'_> {
                 }
             }
         }
-        for (branch, points) in self.measured_points.iter().enumerate() {
-            for place in points.iter().map(|&point| self.to_point(point)) {
-                let [x, y] = place;
-                // Rings that the frame would clip are omitted.
-                if x > frame.left + RING_RADIUS
-                    && x < frame.right - RING_RADIUS
-                    && y > frame.top + RING_RADIUS
-                    && y < frame.bottom - RING_RADIUS
-                {
-                    draw_ring(picture, place, self.styles[branch].colour);
-                }
-            }
-        }
+        let branches = self.measured_points.iter().zip(&self.styles);
+        let rings: Vec<(Point, Colour)> = branches
+            .flat_map(|(points, style)| points.iter().map(|point| (*point, style.colour)))
+            .map(|(point, colour)| (self.to_point(point), colour))
+            .collect();
+        draw_rings(picture, &rings, frame);
         for point in &self.disagreeing_points {
             let place = self.to_point(*point);
             if !clip_polyline(&[place, place], frame).is_empty() {

@@ -92,7 +92,7 @@ fn legend_lists_drawn_levels_only() {
         let figure = sample_figure(&[[0.1, 1.0], [10.0, 100.0]], levels, log);
         let picture = figure.to_picture();
         let has = |name: &str| picture.texts().any(|text| text.content == name);
-        [has("cut-off frequency"), has("limit of the speed")]
+        [has("cut-off frequency"), has("limit of the speed as k → ∞")]
     };
     assert_eq!(listed(&[3.0], true), [true, true]);
     assert_eq!(listed(&[0.0], true), [false, true]);

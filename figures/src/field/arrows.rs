@@ -17,8 +17,8 @@ pub struct FieldArrow {
 }
 
 /// Vector field over the domain: arrows whose length grows as the square root of the magnitude, and level curves of the
-/// magnitude at 1, 2 and 5 times powers of ten, from one hundredth of its maximum on. With arrows, contour lines of the
-/// values are replaced by hatching of negative values.
+/// magnitude at 1, 2 and 5 times powers of ten, from one hundredth of its maximum on. With arrows, the values have no
+/// contour lines.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldArrows {
     /// Name and symbol of the vector.
@@ -69,7 +69,7 @@ fn magnitude([x, y]: [f64; 2]) -> f64 {
 }
 
 /// Returns the largest of 1, 2 and 5 times a power of ten that does not exceed `value`, which is positive.
-fn round_down(value: f64) -> f64 {
+pub(super) fn round_down(value: f64) -> f64 {
     let power = 10f64.powi(value.log10().floor() as i32);
     let factor = [5.0, 2.0, 1.0].into_iter().find(|factor| factor * power <= value);
     factor.map_or(0.5 * power, |factor| factor * power)
@@ -175,28 +175,28 @@ impl FieldFigure {
         }
     }
 
-    pub(super) fn draw_arrows(
+    /// Places the arrows: the middle of each, and its vector in pixels, downwards positive.
+    pub(super) fn place_arrows(
         &self,
-        picture: &mut Picture,
-        layout: &FieldLayout,
-        scale: ArrowScale,
-    ) {
-        let Some(own) = &self.arrows else { return };
-        let frame = layout.frame;
+        frame: Rectangle,
+        scale: Option<ArrowScale>,
+    ) -> Vec<(Point, Point)> {
+        let (Some(own), Some(scale)) = (&self.arrows, scale) else { return Vec::new() };
         let is_inside = |[x, y]: Point| {
             (frame.left..=frame.right).contains(&x) && (frame.top..=frame.bottom).contains(&y)
         };
         // The vertical axis points upwards, pixels count downwards; either axis may be reversed.
         let sign = [&self.x, &self.y].map(|axis| (axis.end - axis.start).signum());
-        for arrow in own.select_arrows(scale.stride) {
+        let place = |arrow: &FieldArrow| {
             let at = [0, 1].map(|axis| self.pixel(frame, axis, arrow.position[axis]));
             let size = magnitude(arrow.vector);
             let length = scale.length(size);
-            if is_inside(at) && length >= MIN_ARROW_LENGTH && size <= scale.max_magnitude {
-                let [x, y] = arrow.vector.map(|part| length * part / size);
-                draw_arrow(picture, at, [sign[0] * x, -sign[1] * y]);
-            }
-        }
+            let is_drawn =
+                is_inside(at) && length >= MIN_ARROW_LENGTH && size <= scale.max_magnitude;
+            let [x, y] = arrow.vector.map(|part| length * part / size);
+            is_drawn.then_some((at, [sign[0] * x, -sign[1] * y]))
+        };
+        own.select_arrows(scale.stride).filter_map(place).collect()
     }
 
     /// Builds the legend entries of arrows and level curves.
@@ -245,7 +245,7 @@ fn draw_level_curve(picture: &mut Picture, line: &[Point]) {
 }
 
 /// Draws an arrow with a white rim about its middle; `vector` is in pixels, downwards positive.
-fn draw_arrow(picture: &mut Picture, [x, y]: Point, [dx, dy]: [f64; 2]) {
+pub(super) fn draw_arrow(picture: &mut Picture, [x, y]: Point, [dx, dy]: [f64; 2]) {
     let length = dx.hypot(dy);
     let unit = [dx / length, dy / length];
     let head = (0.45 * length).min(11.0);
@@ -263,4 +263,15 @@ fn draw_arrow(picture: &mut Picture, [x, y]: Point, [dx, dy]: [f64; 2]) {
         let corners = [(end, 0.0), (tip - head - more, half), (tip - head - more, -half)];
         picture.fill_polygon(corners.map(|(d, a)| along(d, a)).to_vec(), colour);
     }
+}
+
+/// Returns squares that cover an arrow.
+pub(super) fn arrow_areas(([x, y], [dx, dy]): (Point, Point)) -> impl Iterator<Item = Rectangle> {
+    const HALF: f64 = 7.0;
+    let count = (dx.hypot(dy) / HALF).ceil().max(1.0);
+    (0..=count as usize).map(move |index| {
+        let share = index as f64 / count - 0.5;
+        let [x, y] = [x + share * dx, y + share * dy];
+        Rectangle { left: x - HALF, right: x + HALF, top: y - HALF, bottom: y + HALF }
+    })
 }

@@ -1,8 +1,9 @@
 //! Colour bar of a field.
 
 use super::colour_map::{ColourScale, SHADE_COUNT};
-use super::contours::{Contours, draw_contour_line, draw_hatching};
+use super::contours::{Contours, draw_contour_line};
 use super::figure::FieldFigure;
+use super::signs::draw_sign_lines_in;
 use super::ticks::remove_overlapping_labels;
 use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, TICK_LABEL_SIZE};
 use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE};
@@ -52,6 +53,7 @@ impl ColourBar {
                 Rectangle { left: from, right: to, ..self.area }
             };
             picture.fill_patches(vec![part], scale.step_colour(step));
+            draw_sign_lines_in(picture, scale, (step, part), self.area);
         }
     }
 
@@ -103,28 +105,14 @@ impl FieldFigure {
         levels: &Contours,
         bar: &ColourBar,
     ) {
-        match levels {
-            Contours::Lines(lines) => {
-                // Other figures with the same fixed scale may have lines at all levels.
-                let is_drawn =
-                    |level: &f64| scale.is_fixed || lines.iter().any(|(own, _)| own == level);
-                for level in self.relative_levels(scale).into_iter().filter(is_drawn) {
-                    let share = scale.fraction(level * scale.limit);
-                    if (0.0..=1.0).contains(&share) {
-                        draw_contour_line(picture, level, &bar.transverse_line(share));
-                    }
-                }
+        let Contours::Lines(lines) = levels else { return };
+        // Other figures with the same fixed scale may have lines at all levels.
+        let is_drawn = |level: &f64| scale.is_fixed || lines.iter().any(|(own, _)| own == level);
+        for level in self.relative_levels(scale).into_iter().filter(is_drawn) {
+            let share = scale.fraction(level * scale.limit);
+            if (0.0..=1.0).contains(&share) {
+                draw_contour_line(picture, level, &bar.transverse_line(share));
             }
-            Contours::Hatching => {
-                let end = bar.position(scale.fraction(-0.25 * scale.limit));
-                let ruled = if bar.is_vertical {
-                    Rectangle { top: end, ..bar.area }
-                } else {
-                    Rectangle { right: end, ..bar.area }
-                };
-                draw_hatching(picture, ruled);
-            }
-            Contours::TooMany | Contours::None => {}
         }
     }
 

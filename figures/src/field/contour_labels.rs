@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::arrows::arrow_areas;
 use super::figure::FieldFigure;
 use super::layout::FieldLayout;
 use super::marks::{mark_area, padded_bounds};
@@ -15,16 +16,18 @@ const NUMBER_SPACING: f64 = 900.0;
 
 impl FieldFigure {
     /// Places the numbers on contour lines, given with their levels. Each number is placed where its line is nearly
-    /// horizontal, clear of marks and other numbers and, if possible, of other lines.
+    /// horizontal, clear of marks, arrows and other numbers and, if possible, of other lines.
     pub(super) fn place_contour_numbers(
         &self,
         layout: &FieldLayout,
         lines: &[(f64, Vec<Point>)],
+        arrows: &[(Point, Point)],
     ) -> Vec<Text> {
         let frame = layout.frame;
         let mut occupied: Vec<Rectangle> =
             self.mark_positions(frame).iter().map(|(at, _)| mark_area(*at)).collect();
         occupied.extend(self.place_mark_names(layout).iter().flatten().map(padded_bounds));
+        occupied.extend(arrows.iter().copied().flat_map(arrow_areas));
         let lines_by_square = index_lines_by_square(lines);
         // Longest lines first, since they most need numbers.
         let mut order: Vec<(f64, usize)> = lines

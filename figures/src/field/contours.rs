@@ -1,15 +1,15 @@
-//! Contour lines, or hatching of negative values if there would be too many contour lines.
+//! Contour lines.
 
-use super::cells::horizontal_hatching;
+use super::arrows::round_down;
 use super::colour_map::ColourScale;
 use super::figure::FieldFigure;
 use super::layout::FieldLayout;
 use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::contour;
-use crate::picture::{INK, Picture, Point, Rectangle, WHITE, polyline_length, split_into_dashes};
+use crate::picture::{INK, Picture, Point, WHITE, polyline_length, split_into_dashes};
 
-/// Default contour levels, as fractions of the limit of the colour scale.
-const DEFAULT_LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
+/// Upper limit of the higher default level, as a fraction of the length of the colour bar from zero to its end.
+const MAX_DEFAULT_SHARE: f64 = 0.6;
 const CONTOUR_WIDTH: f64 = 1.4;
 const NEGATIVE_DASHES: [f64; 2] = [7.0, 5.0];
 /// Magnitude of a contour level, as a fraction of the limit of the colour scale, above which its lines are white.
@@ -17,19 +17,25 @@ const WHITE_LINE_THRESHOLD: f64 = 0.6;
 
 /// Maximum number of contour points, counting 10 extra points per line; above it no contour lines are drawn.
 const MAX_CONTOUR_POINTS: usize = 60_000;
-/// Spacing of the hatching of negative values, pixels.
-const HATCH_SPACING: f64 = 8.0;
 
-/// Contour lines or hatching, which distinguish positive and negative values in greyscale.
+/// Contour lines of a field.
 pub(super) enum Contours {
     /// Contour lines, each with its level as a fraction of the limit of the colour scale.
     Lines(Vec<(f64, Vec<Point>)>),
-    /// Hatching of values below −¼ of the limit of the colour scale, since there would be too many contour lines, or
-    /// none.
-    Hatching,
-    /// Neither lines nor hatching: there would be too many of the requested contour lines of an unsigned quantity.
+    /// No lines: there would be too many of the requested ones.
     TooMany,
     None,
+}
+
+/// Computes the magnitudes of the default levels, as fractions of the limit of the colour scale: round values a half
+/// and a quarter of the way from white to the strongest colour, or somewhat less.
+fn default_levels(scale: &ColourScale) -> [f64; 2] {
+    // Colours that follow the root of the magnitude reach a share of the bar at its square.
+    let (share, ratio) =
+        if scale.is_root { (MAX_DEFAULT_SHARE.powi(2), 0.2) } else { (MAX_DEFAULT_SHARE, 0.5) };
+    let high = round_down(share * scale.limit) / scale.limit;
+    let high = if (0.1 * share..=share).contains(&high) { high } else { share };
+    [ratio * high, high]
 }
 
 impl FieldFigure {
@@ -40,7 +46,10 @@ impl FieldFigure {
 
     /// Returns the contour levels as fractions of the limit of the colour scale, ascending and distinct.
     pub(super) fn relative_levels(&self, scale: &ColourScale) -> Vec<f64> {
-        let Some(curves) = &self.contour_levels else { return DEFAULT_LEVELS.to_vec() };
+        let Some(curves) = &self.contour_levels else {
+            let [low, high] = default_levels(scale);
+            return vec![-high, -low, low, high];
+        };
         let mut shares: Vec<f64> = curves.iter().map(|level| level / scale.limit).collect();
         shares.retain(|share| share.is_finite());
         shares.sort_by(f64::total_cmp);
@@ -48,28 +57,9 @@ impl FieldFigure {
         shares
     }
 
-    /// Hatches the cells with values below −¼ of the limit of the colour scale.
-    pub(super) fn hatch_negative_cells(
-        &self,
-        picture: &mut Picture,
-        scale: &ColourScale,
-        raster: &FieldRaster,
-    ) {
-        let values = raster.extreme_values(&self.values);
-        let is_low = |column: usize, row: usize| {
-            values[row * raster.cell_count(0) + column] < -0.25 * scale.limit
-        };
-        picture.fill_patches(horizontal_hatching(raster, HATCH_SPACING, 1.6, is_low), INK);
-    }
-
     pub(super) fn compute_contours(&self, scale: &ColourScale, layout: &FieldLayout) -> Contours {
-        if !self.has_contours(scale) || scale.limit == 0.0 {
+        if !self.has_contours(scale) || scale.limit == 0.0 || self.arrows.is_some() {
             return Contours::None;
-        }
-        if self.arrows.is_some() {
-            let is_low = |value: &f64| *value < -0.25 * scale.limit;
-            let has_low = scale.is_signed && self.values.iter().any(is_low);
-            return if has_low { Contours::Hatching } else { Contours::None };
         }
         let raster = FieldRaster::new(self, layout.frame, [MAX_COARSE_CELLS; 2]);
         let means = raster.mean_values(&self.values);
@@ -80,7 +70,8 @@ impl FieldFigure {
                 // Lines too short to be drawn count as well: a field with many of them has no meaningful contours.
                 point_count += 10 + points.len();
                 if point_count > MAX_CONTOUR_POINTS {
-                    return if scale.is_signed { Contours::Hatching } else { Contours::TooMany };
+                    let is_requested = self.contour_levels.is_some();
+                    return if is_requested { Contours::TooMany } else { Contours::None };
                 }
                 for part in self.clip_to_body(layout, points) {
                     if polyline_length(&part) > 12.0 {
@@ -89,14 +80,9 @@ impl FieldFigure {
                 }
             }
         }
-        if !lines.is_empty() || self.contour_levels.is_some() {
-            Contours::Lines(lines)
-        } else if self.values.iter().any(|value| *value < -0.25 * scale.limit) {
-            Contours::Hatching
-        } else if scale.is_fixed {
-            Contours::Lines(lines)
-        } else {
-            Contours::None
+        match lines.is_empty() && self.contour_levels.is_none() && !scale.is_fixed {
+            true => Contours::None,
+            false => Contours::Lines(lines),
         }
     }
 }
@@ -128,17 +114,6 @@ impl FieldRaster {
         let lines = contour::trace_contours(columns + 2, rows + 2, value, level);
         lines.into_iter().map(to_points).collect()
     }
-}
-
-/// Hatches an area like negative values of the field.
-pub(super) fn draw_hatching(picture: &mut Picture, area: Rectangle) {
-    let count = ((area.height() / HATCH_SPACING) as usize).max(1);
-    let spacing = area.height() / count as f64;
-    let line = |index: usize| {
-        let y = area.top + (index as f64 + 0.5) * spacing;
-        Rectangle { top: y - 0.8, bottom: y + 0.8, ..area }
-    };
-    picture.fill_patches((0..count).map(line).collect(), INK);
 }
 
 pub(super) fn draw_contour_line(picture: &mut Picture, relative_level: f64, points: &[Point]) {

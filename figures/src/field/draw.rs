@@ -1,6 +1,6 @@
 //! Drawing of a field figure.
 
-use super::arrows::ArrowScale;
+use super::arrows::{ArrowScale, draw_arrow};
 use super::borders::draw_borders;
 use super::colour_map::ColourScale;
 use super::contours::{Contours, draw_contour_line};
@@ -12,6 +12,9 @@ use crate::error::FigureError;
 use crate::format::{FigureFormat, FigureOutput};
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
 use crate::picture::{Colour, INK, Picture, Point, Rectangle, WHITE};
+
+/// Radius of the area at the tip of an arrow that no text may cover, pixels.
+const MARKED_TIP_RADIUS: f64 = 5.0;
 
 /// Layout, legend and contours, determined before drawing.
 pub(super) struct Arrangement {
@@ -110,14 +113,11 @@ impl FieldFigure {
         let mut picture = page::create_page(layout.height, &self.title, &self.subtitle);
         let raster = self.build_raster(&layout, format);
         self.draw_cells(&mut picture, scale, &raster);
-        match &contours {
-            Contours::Lines(lines) => {
-                lines
-                    .iter()
-                    .for_each(|(share, line)| draw_contour_line(&mut picture, *share, line));
+        self.draw_sign_lines(&mut picture, scale, &raster);
+        if let Contours::Lines(lines) = &contours {
+            for (share, line) in lines {
+                draw_contour_line(&mut picture, *share, line);
             }
-            Contours::Hatching => self.hatch_negative_cells(&mut picture, scale, &raster),
-            Contours::TooMany | Contours::None => {}
         }
         let curves = self.magnitude_curves(&layout);
         self.draw_magnitude_curves(&mut picture, &curves);
@@ -126,10 +126,14 @@ impl FieldFigure {
         }
         self.draw_body_outline(&mut picture, &layout);
         self.draw_line_sets(&mut picture, layout.frame, scale, overlay.line_widths);
-        if let Some(arrows) = overlay.arrow_scale {
-            self.draw_arrows(&mut picture, &layout, arrows);
+        let arrows = self.place_arrows(layout.frame, overlay.arrow_scale);
+        for (at, vector) in &arrows {
+            draw_arrow(&mut picture, *at, *vector);
+            let tip = [at[0] + 0.5 * vector[0], at[1] + 0.5 * vector[1]];
+            picture.mark_point(tip, MARKED_TIP_RADIUS);
         }
-        self.draw_yielded_cells(&mut picture, layout.frame);
+        self.draw_yielded_cells(&mut picture, &layout);
+        self.draw_shape_outlines(&mut picture, &layout);
         let lines = match &contours {
             Contours::Lines(lines) if self.contour_levels.is_some() && self.arrows.is_none() => {
                 let level = |(share, line): &(f64, Vec<Point>)| (share * scale.limit, line.clone());
@@ -137,7 +141,7 @@ impl FieldFigure {
             }
             _ => curves,
         };
-        for number in self.place_contour_numbers(&layout, &lines) {
+        for number in self.place_contour_numbers(&layout, &lines, &arrows) {
             let bounds = number.bounds();
             let ground = Rectangle {
                 top: bounds.top + 1.0,

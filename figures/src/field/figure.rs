@@ -3,6 +3,7 @@
 use super::arrows::FieldArrows;
 use super::body::FieldBody;
 use super::lines::{FieldLineSet, FieldLineStyle};
+use super::outlines::FieldOutline;
 use crate::error::FigureError;
 
 /// Axis of a field: name and extent of the domain.
@@ -60,8 +61,8 @@ pub struct FieldFigure {
     pub values: Vec<f64>,
     /// Name, symbol and unit of the quantity.
     pub label: String,
-    /// Whether the quantity is signed: the colour scale is then symmetric about zero, and contour lines are solid at
-    /// positive and dashed at negative levels. The colour scale of an unsigned quantity starts at zero; without
+    /// Whether the quantity is signed: the colour scale is then symmetric about zero, negative values have fine
+    /// horizontal lines, and contour lines are solid at positive and dashed at negative levels. The colour scale of an unsigned quantity starts at zero; without
     /// `fixed_limit`, negative values beyond round-off make it signed.
     pub is_signed: bool,
     /// Limit of the colour scale, in the unit of `label`; `None` for the largest magnitude. Values beyond are clipped,
@@ -74,8 +75,8 @@ pub struct FieldFigure {
     /// Whether colours follow the square root of the magnitude, so that waves a tenth as strong as the strongest are
     /// visible; stated at the colour bar.
     pub is_root_scaled: bool,
-    /// Levels of contour lines, in the unit of `label`, which are drawn with their numbers; `None` for levels at ±¼ and
-    /// ±½ of the limit of the colour scale of a signed quantity; an unsigned quantity then has no lines. Levels that
+    /// Levels of contour lines, in the unit of `label`, which are drawn with their numbers; `None` for two round levels
+    /// of either sign of a signed quantity, which the legend states; an unsigned quantity then has no lines. Levels that
     /// are non-finite or not attained have no line.
     pub contour_levels: Option<Vec<f64>>,
     /// Part of the domain that the body fills; `None` for all of it.
@@ -85,8 +86,11 @@ pub struct FieldFigure {
     pub material_indices: Vec<u16>,
     /// Legend of these lines; empty for "border between materials".
     pub border_label: String,
-    /// Whether each cell has yielded, in the order of `values`; yielded cells are dotted. Empty if none.
+    /// Whether each cell has yielded, in the order of `values`; the yielded zone has a dotted outline and sparse dots.
+    /// Empty if none.
     pub has_yielded: Vec<bool>,
+    /// Parts of the domain with dash-dotted outlines.
+    pub outlines: Vec<FieldOutline>,
     /// Sets of lines, e.g. joints; later sets cover earlier ones.
     pub line_sets: Vec<FieldLineSet>,
     /// Vector field, drawn as arrows.
@@ -128,7 +132,9 @@ impl FieldFigure {
             ("plastic", self.has_yielded.len(), self.has_yielded.is_empty()),
             ("magnitudes", magnitudes, magnitudes == 0),
         ];
-        for (field, found, is_absent) in lists {
+        let outlined =
+            self.outlines.iter().map(|own| ("outlined cells", own.is_inside.len(), false));
+        for (field, found, is_absent) in lists.into_iter().chain(outlined) {
             if !is_absent && columns.checked_mul(rows) != Some(found) {
                 return Err(FigureError::CellCount { field, found, columns, rows });
             }

@@ -16,6 +16,8 @@ const NAME_MARGIN_RIGHT: f64 = 200.0;
 const NAME_MARGIN_ABOVE: f64 = 64.0;
 /// Margin for tick labels that extend beyond the right end of the frame, pixels.
 const TICK_LABEL_MARGIN: f64 = 20.0;
+/// Margin for the names of marks on the upper boundary, which stand above the frame, pixels.
+const UPPER_NAME_MARGIN: f64 = 46.0;
 /// Gap between the axis of the frame and a colour bar below it, pixels.
 const LOWER_BAR_GAP: f64 = 20.0;
 
@@ -71,8 +73,11 @@ impl FieldFigure {
         let height = true_height.max(MIN_FRAME_LENGTH).floor();
 
         let has_names = self.marks.iter().any(|mark| !mark.name.is_empty());
-        let margin_above =
-            if has_names && height < MIN_LENGTH_FOR_NAMES { NAME_MARGIN_ABOVE } else { 0.0 };
+        let margin_above = match () {
+            () if has_names && height < MIN_LENGTH_FOR_NAMES => NAME_MARGIN_ABOVE,
+            () if self.has_names_above() => UPPER_NAME_MARGIN,
+            () => 0.0,
+        };
         let margin_beside =
             if has_names && width < MIN_LENGTH_FOR_NAMES { NAME_MARGIN_RIGHT } else { 0.0 };
         let is_y_name_above =

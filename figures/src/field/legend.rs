@@ -2,13 +2,15 @@
 
 use super::borders::draw_borders;
 use super::colour_map::{ColourScale, NON_FINITE_COLOUR, NON_FINITE_HATCH_COLOUR, SHADE_COUNT};
-use super::contours::{Contours, draw_contour_line, draw_hatching};
+use super::contours::{Contours, draw_contour_line};
 use super::draw::Overlay;
 use super::figure::{FieldFigure, FieldMarkKind};
 use super::marks::{LOADED_LINE_TEXT, draw_loaded_line, draw_mark};
-use super::yielded_cells::{DOT_SPACING, draw_dots};
+use super::outlines::{SHAPE_OUTLINE, draw_outline};
+use super::signs::draw_sign_swatch;
+use super::yielded_cells::draw_yielded_swatch;
 use crate::page::{self};
-use crate::picture::{INK, Picture, Point, Rectangle};
+use crate::picture::{INK, Picture, Rectangle};
 use crate::scale::format_number;
 use crate::verdict_map::format_percent;
 
@@ -38,11 +40,13 @@ impl FieldFigure {
         let mut entries: Vec<FieldLegendEntry> = Vec::new();
         entries.extend(self.constant_entry(scale));
         entries.extend(self.clipped_entry(scale));
+        entries.extend(self.sign_entry(scale));
         entries.extend(self.contour_entries(scale, levels));
         entries.extend(self.border_entry(overlay.has_borders));
         entries.extend(self.line_entries(scale, overlay.line_widths));
         entries.extend(self.arrow_entries(overlay.arrow_scale));
         entries.extend(self.yielded_entry(scale));
+        entries.extend(self.outline_entries());
         entries.extend(self.mark_entries());
         if omitted_names > 0 {
             let label_text = match omitted_names {
@@ -116,46 +120,74 @@ impl FieldFigure {
         Some(FieldLegendEntry { widest_text, ..build_entry(label_text, swatch) })
     }
 
-    /// Builds the entries of the contour lines, or of the hatching of negative values.
+    /// Builds the entry of the lines on negative values.
+    fn sign_entry(&self, scale: &ColourScale) -> Option<FieldLegendEntry> {
+        let is_drawn = self.has_sign_lines(scale) || (scale.is_signed && scale.is_fixed);
+        let own = scale.clone();
+        let swatch =
+            move |picture: &mut Picture, area: Rectangle| draw_sign_swatch(picture, &own, area);
+        is_drawn.then(|| build_entry("negative".to_owned(), swatch))
+    }
+
+    /// Builds the entries of the contour lines.
     fn contour_entries(&self, scale: &ColourScale, levels: &Contours) -> Vec<FieldLegendEntry> {
         let mut entries = Vec::new();
         match levels {
             Contours::Lines(lines) => {
-                let texts = match self.contour_levels {
-                    Some(_) => ["equal value, as numbered", "equal negative value"],
-                    None => ["+¼ and +½ of the scale", "−¼ and −½ of the scale"],
-                };
-                let levels = self.relative_levels(scale);
-                for (sign, label_text) in [1.0, -1.0].into_iter().zip(texts) {
+                for (sign, requested) in
+                    [(1.0, "equal value, as numbered"), (-1.0, "equal negative value")]
+                {
                     // Other figures with the same fixed scale may have lines.
-                    let is_drawn = match scale.is_fixed {
-                        true => levels.iter().any(|level| (*level < 0.0) == (sign < 0.0)),
-                        false => lines.iter().any(|(level, _)| (*level < 0.0) == (sign < 0.0)),
+                    let is_drawn = |level: &f64| {
+                        (*level < 0.0) == (sign < 0.0)
+                            && (scale.is_fixed || lines.iter().any(|(own, _)| own == level))
                     };
-                    if !is_drawn {
+                    let mut drawn = self.relative_levels(scale);
+                    drawn.retain(is_drawn);
+                    if drawn.is_empty() {
                         continue;
                     }
                     let swatch = move |picture: &mut Picture, area: Rectangle| {
                         let y = 0.5 * (area.top + area.bottom);
                         draw_contour_line(picture, 0.5 * sign, &[[area.left, y], [area.right, y]]);
                     };
-                    entries.push(build_entry(label_text.to_owned(), swatch));
+                    let text = match self.contour_levels {
+                        Some(_) => requested.to_owned(),
+                        None => {
+                            let level = |share: &f64| format_number(share * scale.limit);
+                            let levels: Vec<String> = drawn.iter().map(level).collect();
+                            format!("at {}{}", levels.join(" and "), self.unit_suffix())
+                        }
+                    };
+                    entries.push(build_entry(text, swatch));
                 }
             }
             Contours::TooMany => {
                 let label_text = "lines of equal value not drawn: too many";
                 entries.push(build_note(label_text.to_owned()));
             }
-            Contours::Hatching => {
-                let ground = scale.step_colour(-SHADE_COUNT / 2);
-                let swatch = move |picture: &mut Picture, area: Rectangle| {
-                    picture.fill_rectangle(area, ground);
-                    draw_hatching(picture, area);
-                    picture.draw_frame(area, 1.5, INK);
-                };
-                entries.push(build_entry("below −¼ of the scale".to_owned(), swatch));
-            }
             Contours::None => {}
+        }
+        entries
+    }
+
+    /// Returns the unit of the quantity after a space; empty without unit.
+    pub(super) fn unit_suffix(&self) -> String {
+        let unit = self.label.rsplit_once(" (").and_then(|(_, rest)| rest.split_once(')'));
+        unit.map_or(String::new(), |(unit, _)| format!(" {unit}"))
+    }
+
+    /// Builds the entries of outlines of parts of the domain; parts of one label share an entry.
+    fn outline_entries(&self) -> Vec<FieldLegendEntry> {
+        let mut entries: Vec<FieldLegendEntry> = Vec::new();
+        for outline in self.outlines.iter().filter(|own| own.is_inside.contains(&true)) {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                let y = 0.5 * (area.top + area.bottom);
+                draw_outline(picture, &[[area.left, y], [area.right, y]], SHAPE_OUTLINE);
+            };
+            if entries.iter().all(|entry| entry.text != outline.label) {
+                entries.push(build_entry(outline.label.clone(), swatch));
+            }
         }
         entries
     }
@@ -185,19 +217,7 @@ impl FieldFigure {
         if yielded == 0 && (!scale.is_fixed || self.has_yielded.is_empty()) {
             return None;
         }
-        let swatch = |picture: &mut Picture, area: Rectangle| {
-            let y = 0.5 * (area.top + area.bottom);
-            let place = |index: i32| [area.left + DOT_SPACING * (f64::from(index) + 0.5), y];
-            let dots: Vec<Point> = (0..5)
-                .flat_map(|index| {
-                    [-0.5, 0.5].map(|row| {
-                        let [x, y] = place(index);
-                        [x, y + row * DOT_SPACING]
-                    })
-                })
-                .collect();
-            draw_dots(picture, &dots, area);
-        };
+        let swatch = |picture: &mut Picture, area: Rectangle| draw_yielded_swatch(picture, area);
         let of_cells = cells_suffix(scale);
         let label_text = |share: &str| format!("yielded ({share}{of_cells})");
         let share = format_percent(yielded, self.values.len());

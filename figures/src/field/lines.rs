@@ -281,6 +281,7 @@ impl FieldFigure {
                 return build_note(format!("{} not drawn: too close together", set.label));
             }
             let scale = scale.clone();
+            let scale_limit = scale.limit;
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 let position = 0.5 * (area.top + area.bottom);
                 let steps: &[i16] = match style {
@@ -307,7 +308,8 @@ impl FieldFigure {
             let FieldLineSet { label, unit, limit, .. } = set;
             let text = match () {
                 () if style == FieldLineStyle::Coloured => {
-                    format!("{label}, above 5 % of the scale")
+                    let least = format_number(0.05 * scale_limit);
+                    format!("{label}, above {least}{}", self.unit_suffix())
                 }
                 () if unit.is_empty() || !limit.is_finite() => label.clone(),
                 () => format!("{label} up to {} {unit}", format_number(*limit)),

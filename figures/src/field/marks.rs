@@ -1,5 +1,6 @@
 //! Marks of sources and receivers, and placement of their names.
 
+use super::arrows::arrow_areas;
 use super::figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 use super::layout::FieldLayout;
 use crate::page::{self};
@@ -52,7 +53,50 @@ impl FieldFigure {
             .collect()
     }
 
-    /// Places the name of each mark in the domain; `None` if there is not enough space.
+    /// Returns whether a mark lies at the upper boundary, where its name stands above the frame.
+    fn is_at_upper_boundary(&self, mark: &FieldMark) -> bool {
+        /// Distance from the boundary, as a fraction of the height: a mark covers as much.
+        const MAX_SHARE: f64 = 0.02;
+        let depth = (self.y.end - mark.position[1]) / (self.y.end - self.y.start);
+        (-1e-9..=MAX_SHARE).contains(&depth)
+    }
+
+    /// Returns whether names of marks stand above the frame.
+    pub(super) fn has_names_above(&self) -> bool {
+        self.marks.iter().any(|mark| !mark.name.is_empty() && self.is_at_upper_boundary(mark))
+    }
+
+    /// Returns a function for the strength of the field in an area: its largest magnitude there as a fraction of that of
+    /// the whole field; 0 outside the frame. Names of figures with a fixed scale, whose values vary between frames, do
+    /// not depend on it.
+    fn field_strength(&self, frame: Rectangle) -> impl Fn(Rectangle) -> f64 {
+        let finite = self.values.iter().map(|value| value.abs()).filter(|own| own.is_finite());
+        let largest = finite.fold(0.0, f64::max);
+        let is_known = self.fixed_limit.is_none() && largest > 0.0;
+        move |area| {
+            const SAMPLES: [f64; 7] = [0.0, 0.17, 0.33, 0.5, 0.67, 0.83, 1.0];
+            let index = |share: f64, count: usize| (share * count as f64) as usize;
+            let strength = |x: f64, y: f64| {
+                let across = (area.left + x * area.width() - frame.left) / frame.width();
+                let up = (frame.bottom - area.top - y * area.height()) / frame.height();
+                if !((0.0..1.0).contains(&across) && (0.0..1.0).contains(&up)) {
+                    return 0.0;
+                }
+                let cell = index(up, self.rows) * self.columns + index(across, self.columns);
+                let share = self.values[cell].abs() / largest;
+                match share.is_finite() {
+                    true if self.is_root_scaled => share.sqrt(),
+                    true => share,
+                    false => 1.0,
+                }
+            };
+            let all = SAMPLES.into_iter().flat_map(|x| SAMPLES.map(|y| strength(x, y)));
+            if is_known { all.fold(0.0, f64::max) } else { 0.0 }
+        }
+    }
+
+    /// Places the name of each mark in the domain, above the frame for marks on the upper boundary, else near the mark
+    /// where the field is weak; `None` if there is not enough space.
     pub(super) fn place_mark_names(&self, layout: &FieldLayout) -> Vec<Option<Text>> {
         let places = self.mark_positions(layout.frame);
         let mut occupied: Vec<Rectangle> = places.iter().map(|(at, _)| mark_area(*at)).collect();
@@ -63,6 +107,8 @@ impl FieldFigure {
             Rectangle { left: frame.right - 2.0, right: frame.right + 2.0, ..frame },
         ]);
         occupied.extend(self.y_name_above(layout).as_ref().map(padded_bounds));
+        let arrows = self.place_arrows(frame, self.arrow_scale(frame));
+        occupied.extend(arrows.into_iter().flat_map(arrow_areas));
         for curve in self.loaded_curves(frame) {
             let segments = curve.windows(2).map(|ends| Rectangle {
                 left: ends[0][0].min(ends[1][0]) - LOADED_LINE_WIDTH,
@@ -72,19 +118,26 @@ impl FieldFigure {
             });
             occupied.extend(segments);
         }
+        let strength = self.field_strength(frame);
         let mut names = Vec::new();
         for &([x, y], mark) in &places {
+            // Candidate directions in degrees: right and left first, then the other directions; above the frame first.
+            let is_above = self.is_at_upper_boundary(mark);
+            let start = if is_above { frame.top } else { y };
+            let directions = match is_above {
+                true => [90.0_f64, 45.0, 135.0, 0.0, 180.0, -45.0, -135.0, -90.0],
+                false => [0.0, 180.0, 45.0, 135.0, -45.0, -135.0, 90.0, -90.0],
+            };
             let widest = (0.4 * area.width()).max(150.0);
             let (name, size) = page::fit_text(&mark.name, MARK_NAME_SIZE, widest);
             let half = 0.5 * text_width(&name, size, false);
             let near = (0..14).flat_map(|step| {
                 let distance = MARK_RADIUS + 7.0 + 14.0 * f64::from(step);
-                // Candidate directions in degrees: right and left first, then the other directions.
-                [0.0_f64, 180.0, 45.0, 135.0, -45.0, -135.0, 90.0, -90.0].map(|turn| {
+                directions.map(|turn| {
                     let (sin, cos) = turn.to_radians().sin_cos();
                     let middle = x + cos * (distance + half);
-                    let baseline = y - sin * (distance + 0.4 * size) + 0.3 * size;
-                    Text::new([middle, baseline], Anchor::Middle, size, &name)
+                    let baseline = start - sin * (distance + 0.4 * size) + 0.3 * size;
+                    (step, Text::new([middle, baseline], Anchor::Middle, size, &name))
                 })
             });
             let is_free = |text: &Text| {
@@ -99,7 +152,14 @@ impl FieldFigure {
             let place = if name.is_empty() {
                 Some(Text::new([x, y], Anchor::Middle, size, ""))
             } else {
-                near.into_iter().find(is_free)
+                // A name with a leader line is worse than one on a field of an eighth of its maximum.
+                let cost = |(step, text): &(i32, Text)| {
+                    let leader = if *step > 0 { 0.125 } else { 0.0 };
+                    strength(padded_bounds(text)) + leader + 0.06 * f64::from(*step)
+                };
+                let free = near.into_iter().filter(|(_, text)| is_free(text));
+                let best = free.map(|place| (cost(&place), place.1));
+                best.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
             };
             if let Some(text) = place.as_ref().filter(|text| !text.content.is_empty()) {
                 occupied.push(padded_bounds(text));
@@ -126,6 +186,7 @@ impl FieldFigure {
             }
         }
         for &(at, mark) in &places {
+            picture.mark_point(at, 0.7 * MARK_RADIUS);
             draw_mark(picture, at, mark.kind);
         }
         for text in label_text().flatten() {

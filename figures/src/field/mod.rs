@@ -15,8 +15,10 @@ mod layout;
 mod legend;
 mod lines;
 mod marks;
+mod outlines;
 mod pair;
 mod raster;
+mod signs;
 #[cfg(test)]
 mod tests;
 mod ticks;
@@ -27,4 +29,5 @@ pub use body::FieldBody;
 pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 pub use lines::{FieldLine, FieldLineSet, FieldLineStyle};
 pub(crate) use marks::{LOADED_LINE_TEXT, LOADED_LINE_WIDTH, draw_loaded_line, draw_mark};
+pub use outlines::FieldOutline;
 pub use pair::FieldPairFigure;

@@ -197,7 +197,7 @@ fn borders_are_drawn_unless_they_would_cover_the_field() {
 
 #[test]
 fn every_yielded_cell_is_near_a_dot() {
-    for size in [12, 400] {
+    for size in [12, 1000] {
         let mut figure = sample_figure(size, size, |_, _| 0.0);
         figure.has_yielded = vec![false; size * size];
         assert!(!has_text(&figure, "yielded"));
@@ -206,10 +206,12 @@ fn every_yielded_cell_is_near_a_dot() {
         let half = 0.5 / size as f64;
         let [x, y] = [size / 2, size / 3].map(|index| index as f64 / size as f64 + half);
         assert_eq!(drawn.colour_at(x, y), channels(INK));
-        assert!((4..40).contains(&drawn.count_pixels(|colour| colour == channels(INK))));
+        assert!((4..900).contains(&drawn.count_pixels(|colour| colour == channels(INK))));
         assert!(has_text(&figure, "yielded"));
         figure.has_yielded.fill(true);
-        assert!(RenderedField::new(&figure).count_pixels(|colour| colour == channels(INK)) > 500);
+        // The zone leaves the field visible.
+        let ink = RenderedField::new(&figure).count_pixels(|colour| colour == channels(INK));
+        assert!((500..12_000).contains(&ink), "{ink}");
         check_figure(&figure);
     }
 }
@@ -286,7 +288,7 @@ fn requested_contour_lines_are_numbered() {
         assert!(number(label_text) >= 1, "{label_text} {texts:?}");
     }
     assert!(has_text(&wave, "equal value, as numbered") && has_text(&wave, "equal negative value"));
-    assert!(!has_text(&wave, "of the scale") && !has_text(&wave, "77"));
+    assert!(!has_text(&wave, "at −") && !has_text(&wave, "77"));
     check_figure(&wave);
     // Many marks and lines.
     wave.marks = (0..80)
@@ -344,19 +346,37 @@ fn constant_fields_are_labelled() {
 fn sign_is_visible_in_greyscale() {
     let wave = sample_figure(80, 60, |x, _| x.sin());
     assert!(matches!(arrange_figure(&wave).1.contours, Contours::Lines(_)));
-    assert!(has_text(&wave, "−¼ and −½ of the scale"));
+    // The legend states round levels.
+    for text in ["at 0.25 and 0.5 m/s", "at −0.5 and −0.25 m/s", "negative"] {
+        assert!(has_text(&wave, text), "{text} {:?}", picture_texts(&wave));
+    }
     // A constant field and noise have no usable contour lines.
     let constant = sample_figure(30, 20, |_, _| -1.0);
     let noise = sample_figure(400, 400, |x, y| (1e4 * (12.9898 * x + 78.233 * y).sin()).fract());
     for figure in [constant, noise] {
-        assert!(matches!(arrange_figure(&figure).1.contours, Contours::Hatching));
-        assert!(has_text(&figure, "below −¼ of the scale"));
+        assert!(matches!(arrange_figure(&figure).1.contours, Contours::None));
+        assert!(has_text(&figure, "negative"));
         check_figure(&figure);
     }
-    assert!(matches!(
-        arrange_figure(&sample_figure(30, 20, |_, _| 1.0)).1.contours,
-        Contours::None
-    ));
+    let positive = sample_figure(30, 20, |_, _| 1.0);
+    assert!(matches!(arrange_figure(&positive).1.contours, Contours::None));
+    assert!(!has_text(&positive, "negative"));
+    // Weak values of both signs have one luminance: only the negative ones have lines, of another luminance.
+    let luminances = |value: f64| {
+        let mut figure = sample_figure(100, 80, |_, _| value);
+        figure.values[0] = 1.0;
+        let drawn = RenderedField::new(&figure);
+        let rows = (100..130).map(|offset| {
+            let [red, green, blue] = drawn.pixel(800.0, drawn.frame.top + f64::from(offset));
+            crate::colour::luminance(RGBColor(red, green, blue))
+        });
+        rows.fold([f64::INFINITY, 0.0_f64], |[low, high], own| [low.min(own), high.max(own)])
+    };
+    for size in [0.05, 0.2, 0.9] {
+        let [[low, high], positive] = [-size, size].map(luminances);
+        assert!(high - low > 8.0 && positive[1] - positive[0] < 0.5, "{size} {low} {high}");
+        assert!((high - positive[1]).abs() < 12.0 || (low - positive[0]).abs() < 12.0);
+    }
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Colour bar of growth levels.
 
 use super::colour_map::{
-    ARROW_LENGTH, BAR_GAP, BAR_WIDTH, INFINITE_LEVEL_COLOUR, draw_shades, shade_colour,
+    ARROW_LENGTH, BAR_GAP, BAR_WIDTH, INFINITE_LEVEL_COLOUR, contrast_colour, draw_shades,
+    shade_colour,
 };
 use super::figure::VerdictMap;
 use super::levels::{LevelRange, contour_colour};
@@ -67,11 +68,23 @@ impl VerdictMap {
         if has_line.contains(&true) {
             // Below the bar, lower than the tick labels of the map: what the lines across it stand for.
             let y = frame.bottom + 2.5 * TICK_LABEL_SIZE;
-            picture.draw_line([[bar.left, y], [bar.right, y]], 1.6, INK);
+            draw_contour_key(picture, Rectangle { top: y - 9.0, bottom: y + 9.0, ..bar });
             let at = [bar.right + 8.0, y + 0.36 * MIN_TEXT_SIZE];
             picture.draw_text(Text::new(at, Anchor::Start, MIN_TEXT_SIZE, CONTOUR_WORD));
         }
         let x = page::width() - MARGIN - 0.3 * AXIS_NAME_SIZE;
         page::draw_vertical_name(picture, x, [frame.top, frame.bottom], &self.level_label);
+    }
+}
+
+/// Draws contour lines on a light and on a dark colour.
+fn draw_contour_key(picture: &mut Picture, area: Rectangle) {
+    const SHARES: [f64; 2] = [0.2, 0.8];
+    let [middle, y] = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
+    let halves =
+        [Rectangle { right: middle, ..area }, Rectangle { left: middle, ..area }].into_iter();
+    for (half, share) in halves.zip(SHARES) {
+        picture.fill_rectangle(half, shade_colour(share));
+        picture.draw_line([[half.left, y], [half.right, y]], 1.6, contrast_colour(share));
     }
 }

@@ -29,10 +29,10 @@ define_parameters! {
     pub(super) COUPLE_DILATANCY = "couple_dilatancy": "dilatancy of rolling" ["m"], Required(0.6), Finite,
         "dilatancy κ̂_μ of rolling; associated if equal to the friction";
 
-    pub(super) STRENGTH = "strength": "shear strength k" ["Pa"], Required(1e6), Positive,
-        "strength k in shear; > 0";
+    pub(super) STRENGTH = "strength": "shear strength k_Y" ["Pa"], Required(1e6), Positive,
+        "strength k_Y in shear; > 0";
     pub(super) FRICTION = "friction": "friction" [""], Required(0.6), NotNegative,
-        "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0";
+        "friction κ of τ̄ + κ σ_m ≤ k_Y; ≥ 0";
     pub(super) DILATANCY = "dilatancy": "dilatancy" [""], Required(0.3), Finite,
         "dilatancy κ̂; associated if equal to the friction";
     pub(super) HARDENING = "hardening": "plastic modulus H" ["Pa"], Default(0.0), Finite,
@@ -77,15 +77,15 @@ pub struct InterlayerCoupleLimits {
 /// A cone or cylinder about the axis of hydrostatic stress,
 ///
 /// ```text
-/// τ̄ ≤ k − κ σ_m,   τ̄² = ½|sˢ|² + ½ h |σᵃ|² + ½|mˢ|²/ℓ_s² + ½|mᵃ|²/ℓ_a²,
+/// τ̄ ≤ k_Y − κ σ_m,   τ̄² = ½|sˢ|² + ½ h |σᵃ|² + ½|mˢ|²/ℓ_s² + ½|mᵃ|²/ℓ_a²,
 /// ```
 ///
 /// with the mean stress σ_m = ⅓ tr σ, the deviator s of the force stress σ, the couple stress m, and superscripts s and
-/// a for symmetric and antisymmetric parts. The von Mises set has the constant k only; the Drucker–Prager set (1952;
+/// a for symmetric and antisymmetric parts. The von Mises set has the constant k_Y only; the Drucker–Prager set (1952;
 /// the Mises–Schleicher condition linear in σ_m) also κ; the Cosserat–Mises set also h and the internal lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mises {
-    /// Strength in shear k, Pa; > 0.
+    /// Strength in shear k_Y, Pa; > 0.
     pub strength: f64,
     /// Friction κ; ≥ 0.
     pub friction: f64,
@@ -193,7 +193,7 @@ impl InterlayerYieldSet {
 }
 
 impl Mises {
-    /// von Mises yield set (1913): √(½ s:s) ≤ k with the stress deviator s; `strength` k in Pa.
+    /// von Mises yield set (1913): √(½ s:s) ≤ k_Y with the stress deviator s; `strength` k_Y in Pa.
     pub const fn new_von_mises(strength: f64) -> Self {
         Self {
             strength,
@@ -206,8 +206,8 @@ impl Mises {
         }
     }
 
-    /// Drucker–Prager cone (1952): √(½ s:s) + κ σ_m ≤ k with the stress deviator s and the mean stress σ_m; `strength`
-    /// k in Pa, `friction` κ, and `dilatancy` κ̂ in place of κ in the flow rule.
+    /// Drucker–Prager cone (1952): √(½ s:s) + κ σ_m ≤ k_Y with the stress deviator s and the mean stress σ_m; `strength`
+    /// k_Y in Pa, `friction` κ, and `dilatancy` κ̂ in place of κ in the flow rule.
     pub const fn new_drucker_prager(strength: f64, friction: f64, dilatancy: f64) -> Self {
         Self { friction, dilatancy, ..Self::new_von_mises(strength) }
     }
@@ -217,7 +217,7 @@ impl Mises {
     /// # Errors
     /// A constant is out of range; the error names it.
     pub fn check(self) -> Result<Self, InputError> {
-        STRENGTH.check(self.strength, "the strength must be k > 0, in Pa")?;
+        STRENGTH.check(self.strength, "the strength must be k_Y > 0, in Pa")?;
         FRICTION.check(self.friction, "the friction must be κ ≥ 0")?;
         DILATANCY.check(self.dilatancy, FINITE_REQUIRED)?;
         ANTISYMMETRIC_WEIGHT.check(self.antisymmetric_weight, "the weight must be h ≥ 0")?;

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::case::Case;
 use crate::report::format::{case_title, format_coaxial_note, format_order, format_short};
+use crate::report::parameters::with_parameters;
 use crate::study::check::flow::{FlowCheck, ModeCheck, RateCurve};
 use crate::study::check::refinement::{FastestModeCheck, GrowthOrders, RefinementCheck};
 use figures::{LabelledCurve, SpectrumFigure};
@@ -99,10 +100,13 @@ impl FlowCheck {
         };
         SpectrumFigure {
             title: case_title(case),
-            subtitle: format!(
-                "{}: curves from the analysis, rings from the solver{}",
-                case.medium().title(),
-                format_unmeasured_count(self.unmeasured_count()),
+            subtitle: with_parameters(
+                &format!(
+                    "{}: curves from the analysis, rings from the solver{}",
+                    case.medium().title(),
+                    format_unmeasured_count(self.unmeasured_count()),
+                ),
+                case,
             ),
             x_label: "initial wave number k (1/m)".to_owned(),
             y_label: "growth or decay rate |γ| (1/s)".to_owned(),
@@ -113,6 +117,7 @@ impl FlowCheck {
                 .map(|curve| curve.measured_points.clone())
                 .collect(),
             disagreeing_points: self.collect_disagreeing_points(),
+            remarks: Vec::new(),
         }
     }
 
@@ -129,8 +134,8 @@ impl FlowCheck {
     }
 
     /// Creates the figure of the growth rate of the fastest growing wave of each grid, 1/s, against its wave number,
-    /// with one curve per model. The curve has no points if the fastest mode does not grow on every grid; the subtitle
-    /// then names the model. `None` without refinement.
+    /// with one curve per model. The curve has no points if the fastest mode does not grow on every grid; a remark in the
+    /// legend then names the model. `None` without refinement.
     pub(super) fn create_refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {
@@ -144,16 +149,11 @@ impl FlowCheck {
             label: own.model_title.to_owned(),
             points: points(own, |grid| grid.predicted_growth),
         };
-        let models: Vec<&str> = self
+        let without_growth = self
             .refinements
             .iter()
             .filter(|own| !own.is_growing)
-            .map(|own| own.model_title)
-            .collect();
-        let without_growth = match models.is_empty() {
-            true => String::new(),
-            false => format!("; nothing grows: {}", models.join(", ")),
-        };
+            .map(|own| format!("{}: nothing grows on any grid", own.model_title));
         let failed = self
             .refinements
             .iter()
@@ -162,8 +162,9 @@ impl FlowCheck {
         let disagreeing = failed.map(|grid| [grid.wave_number, grid.measured_growth]);
         Some(SpectrumFigure {
             title: case_title(case),
-            subtitle: format!(
-                "the fastest growing wave of each grid: lines from the analysis, rings from the solver{without_growth}"
+            subtitle: with_parameters(
+                "the fastest growing wave of each grid: lines from the analysis, rings from the solver",
+                case,
             ),
             x_label: format!("its wave number k on {} points (1/m)", counts.join(", ")),
             y_label: "growth rate γ (1/s)".to_owned(),
@@ -174,6 +175,7 @@ impl FlowCheck {
                 .map(|own| points(own, |grid| grid.measured_growth))
                 .collect(),
             disagreeing_points: disagreeing.collect(),
+            remarks: without_growth.collect(),
         })
     }
 }

@@ -133,7 +133,7 @@ fn compute_colour_level(
         [] | [_] => {
             let order = orders.first().copied().unwrap_or(1.0);
             let label = format!(
-                "growth coefficient lim Re ς / k{} ({})",
+                "growth coefficient Re ς / k{} as k → ∞ ({})",
                 format_superscript(order),
                 coefficient_unit(order)
             );

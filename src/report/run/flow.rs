@@ -219,6 +219,7 @@ fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPic
         spectra: lines.collect(),
         measured_points: Vec::new(),
         disagreeing_points: Vec::new(),
+        remarks: Vec::new(),
     };
     Some(ReportPicture::new("spectrum", move |format| figure.draw(format)))
 }

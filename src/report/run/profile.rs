@@ -50,6 +50,14 @@ pub(super) fn create_profile(
             positions.push((set.label.clone(), places));
         }
     }
+    for outline in &figure.outlines {
+        let pairs = outline.is_inside.windows(2).enumerate().filter(|(_, pair)| pair[0] != pair[1]);
+        let edges: Vec<f64> =
+            pairs.map(|(cell, _)| cell_edge(figure, axis, cell as f64 + 1.0)).collect();
+        if (1..=MAX_FACES).contains(&edges.len()) {
+            positions.push((outline.label.clone(), edges));
+        }
+    }
     let marks = figure.marks.iter().map(|mark| CurveMark {
         x: mark.position[along],
         name: mark.name.clone(),

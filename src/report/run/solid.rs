@@ -10,15 +10,19 @@ use super::records::{create_ledger_picture, create_seismograms, select_evenly_sp
 use super::snapshot::read_array;
 use crate::case::Case;
 use crate::case::dynamics::{
-    FaceLoad, FaceQuantity, LoadedArea, PlottedQuantity, SolidGrid, SolidRun, StateComponent,
+    FaceLoad, FaceQuantity, LoadedArea, PlottedQuantity, RegionShape, SolidGrid, SolidRun,
+    SourceKind, StateComponent,
 };
 use crate::report::ReportPicture;
 use crate::report::format::{case_title, format_short};
 use crate::study::simulate::{OutputFields, RunRecords, quantity_unit};
-use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, FieldOutline};
 use models::common::elementary::Elementary;
 use models::solid::waves::SolidField;
 use std::fmt::Write as _;
+
+/// Indices of the axes in symbols.
+const AXIS_INDICES: [&str; 3] = ["₁", "₂", "₃"];
 
 /// Creates all pictures of a run except the animation.
 pub(super) fn create_pictures(
@@ -142,6 +146,18 @@ pub(super) fn has_weak_waves(values: &[f64]) -> bool {
     largest.is_finite() && share(0.01) > 0.05 && share(0.25) < 0.005
 }
 
+/// Returns the name of a source, with the direction of a force along an axis.
+fn describe_source(kind: &SourceKind) -> String {
+    if let SourceKind::Force(components) = kind {
+        let mut acting = components.iter().enumerate().filter(|(_, force)| **force != 0.0);
+        if let (Some((axis, force)), None) = (acting.next(), acting.next()) {
+            let sign = if *force < 0.0 { "−" } else { "" };
+            return format!("force along {sign}x{}", AXIS_INDICES[axis]);
+        }
+    }
+    kind.name().to_owned()
+}
+
 /// Returns the value of a cell; 0 if it is absent.
 fn cell_value(values: &[f64], cell: usize) -> f64 {
     values.get(cell).copied().unwrap_or(0.0)
@@ -191,6 +207,34 @@ impl<'a> PlaneSection<'a> {
                 Some(layer) => (j * depth + layer) * columns + i,
             })
         })
+    }
+
+    /// Returns the outlines of the shapes of the initial state. Blocks have joints instead, which shapes of whole blocks
+    /// would cover.
+    fn create_outlines(&self) -> Vec<FieldOutline> {
+        let SolidRun { grid, blocks, initial_terms, .. } = self.solid_run;
+        let shapes = initial_terms.iter().filter_map(|term| Some((term.name(), term.shape()?)));
+        let outline = |(name, shape): (&str, &RegionShape)| {
+            let is_inside = |cell: usize| {
+                let mut rest = cell;
+                let coordinate = |axis: usize| {
+                    let index = rest % grid.cells[axis];
+                    rest /= grid.cells[axis];
+                    grid.cell_centre(axis, index)
+                };
+                let centre: Vec<f64> = (0..grid.dimensions()).map(coordinate).collect();
+                shape.contains(&centre)
+            };
+            FieldOutline {
+                label: format!("edge of the initial {}", name.replace('-', " ")),
+                is_inside: self.to_raster(self.cell_indices().map(is_inside).collect(), false),
+            }
+        };
+        let is_part = |own: &FieldOutline| own.is_inside.contains(&false);
+        match blocks {
+            Some(_) => Vec::new(),
+            None => shapes.map(outline).filter(is_part).collect(),
+        }
     }
 
     /// Reads the regions of the cells of the picture from a snapshot; empty if it has no regions.
@@ -301,9 +345,7 @@ impl<'a> PlaneSection<'a> {
         }
         let axis = |axis: usize| {
             let [from, to] = grid.axis_bounds(axis);
-            FieldAxis {
-                label: format!("x{} (m)", ["₁", "₂", "₃"][axis]), start: from, end: to
-            }
+            FieldAxis { label: format!("x{} (m)", AXIS_INDICES[axis]), start: from, end: to }
         };
         let mark = |at: &[f64], name: &str, kind: FieldMarkKind| {
             let is_near = self.layer.is_none_or(|layer| {
@@ -372,17 +414,16 @@ impl<'a> PlaneSection<'a> {
             },
             material_indices: Vec::new(),
             has_yielded: Vec::new(),
+            outlines: self.create_outlines(),
             line_sets: Vec::new(),
             arrows: None,
             marks: receivers
                 .filter_map(|(index, own)| {
                     mark(&own.position, name(index), FieldMarkKind::Receiver)
                 })
-                .chain(
-                    sources.filter_map(|own| {
-                        mark(&own.position, own.kind.name(), FieldMarkKind::Source)
-                    }),
-                )
+                .chain(sources.filter_map(|own| {
+                    mark(&own.position, &describe_source(&own.kind), FieldMarkKind::Source)
+                }))
                 .chain(point_loads)
                 .collect(),
             loaded_lines: loads.filter_map(|load| self.loaded_line(load)).collect(),
