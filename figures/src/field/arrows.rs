@@ -267,7 +267,7 @@ pub(super) fn draw_arrow(picture: &mut Picture, [x, y]: Point, [dx, dy]: [f64; 2
 
 /// Returns squares that cover an arrow.
 pub(super) fn arrow_areas(([x, y], [dx, dy]): (Point, Point)) -> impl Iterator<Item = Rectangle> {
-    const HALF: f64 = 7.0;
+    const HALF: f64 = 5.0;
     let count = (dx.hypot(dy) / HALF).ceil().max(1.0);
     (0..=count as usize).map(move |index| {
         let share = index as f64 / count - 0.5;
