@@ -67,7 +67,7 @@ impl DispersionFigure {
         let highest = self.axis_scales()[2].high;
         let mut speeds = self.branches.iter().flat_map(Self::branch_phase_speeds);
         if speeds.any(|[_, speed]| speed.is_finite() && speed > highest) {
-            let text = "(phase speeds beyond the axis not drawn)".to_owned();
+            let text = "(higher speeds not drawn)".to_owned();
             entries.push((text, Box::new(|_, _| {})));
         }
         if self.has_growth() && self.is_wave_number_log {

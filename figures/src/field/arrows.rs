@@ -191,10 +191,14 @@ impl FieldFigure {
             let at = [0, 1].map(|axis| self.pixel(frame, axis, arrow.position[axis]));
             let size = magnitude(arrow.vector);
             let length = scale.length(size);
-            let is_drawn =
-                is_inside(at) && length >= MIN_ARROW_LENGTH && size <= scale.max_magnitude;
             let [x, y] = arrow.vector.map(|part| length * part / size);
-            is_drawn.then_some((at, [sign[0] * x, -sign[1] * y]))
+            let vector = [sign[0] * x, -sign[1] * y];
+            // An arrow across the frame could cover the ticks.
+            let ends = [-0.5, 0.5].map(|share| [0, 1].map(|axis| at[axis] + share * vector[axis]));
+            let is_drawn = ends.into_iter().all(is_inside)
+                && length >= MIN_ARROW_LENGTH
+                && size <= scale.max_magnitude;
+            is_drawn.then_some((at, vector))
         };
         own.select_arrows(scale.stride).filter_map(place).collect()
     }

@@ -11,7 +11,7 @@ use super::signs::draw_sign_swatch;
 use super::yielded_cells::draw_yielded_swatch;
 use crate::page::{self};
 use crate::picture::{INK, Picture, Rectangle};
-use crate::scale::format_number;
+use crate::scale::{format_number, format_scientific};
 use crate::verdict_map::format_percent;
 
 /// Legend entry, with the widest text that the entry may have in other figures with the same scale.
@@ -154,7 +154,14 @@ impl FieldFigure {
                     let text = match self.contour_levels {
                         Some(_) => requested.to_owned(),
                         None => {
-                            let level = |share: &f64| format_number(share * scale.limit);
+                            // One form for both numbers: 5×10⁻⁴ and 10⁻³.
+                            let is_plain =
+                                |share: &f64| (1e-3..1e5).contains(&(share * scale.limit).abs());
+                            let format = match drawn.iter().all(is_plain) {
+                                true => format_number,
+                                false => |value: f64| format_scientific(value, 3),
+                            };
+                            let level = |share: &f64| format(share * scale.limit);
                             let levels: Vec<String> = drawn.iter().map(level).collect();
                             format!("at {}{}", levels.join(" and "), self.unit_suffix())
                         }
