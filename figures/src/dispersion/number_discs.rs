@@ -49,14 +49,18 @@ pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
 }
 
 /// Draws rings, each with its colour, inside a frame, which omits those that it would clip. Of rings at about one place
-/// the earlier ones enclose the later ones, which would hide them.
+/// those of earlier colours enclose those of later ones, which would hide them.
 pub(crate) fn draw_rings(picture: &mut Picture, rings: &[(Point, Colour)], frame: Rectangle) {
     for (index, (place, colour)) in rings.iter().enumerate() {
         let [x, y] = *place;
-        let is_hidden_by =
-            |(other, _): &&(Point, Colour)| (other[0] - x).hypot(other[1] - y) < RING_RADIUS;
-        let inner = rings[index + 1..].iter().filter(is_hidden_by).count();
-        let radius = RING_RADIUS * (1.0 + 0.55 * inner as f64);
+        let is_near = |other: &Point| (other[0] - x).hypot(other[1] - y) < RING_RADIUS;
+        let mut inner: Vec<Colour> = Vec::new();
+        for (other, own) in &rings[index + 1..] {
+            if own != colour && is_near(other) && !inner.contains(own) {
+                inner.push(*own);
+            }
+        }
+        let radius = RING_RADIUS * (1.0 + 0.55 * inner.len() as f64);
         if x > frame.left + radius
             && x < frame.right - radius
             && y > frame.top + radius

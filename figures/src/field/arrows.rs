@@ -69,7 +69,7 @@ fn magnitude([x, y]: [f64; 2]) -> f64 {
 }
 
 /// Returns the largest of 1, 2 and 5 times a power of ten that does not exceed `value`, which is positive.
-pub(super) fn round_down(value: f64) -> f64 {
+fn round_down(value: f64) -> f64 {
     let power = 10f64.powi(value.log10().floor() as i32);
     let factor = [5.0, 2.0, 1.0].into_iter().find(|factor| factor * power <= value);
     factor.map_or(0.5 * power, |factor| factor * power)

@@ -1,6 +1,5 @@
 //! Contour lines.
 
-use super::arrows::round_down;
 use super::colour_map::ColourScale;
 use super::figure::FieldFigure;
 use super::layout::FieldLayout;
@@ -33,7 +32,10 @@ fn default_levels(scale: &ColourScale) -> [f64; 2] {
     // Colours that follow the root of the magnitude reach a share of the bar at its square.
     let (share, ratio) =
         if scale.is_root { (MAX_DEFAULT_SHARE.powi(2), 0.2) } else { (MAX_DEFAULT_SHARE, 0.5) };
-    let high = round_down(share * scale.limit) / scale.limit;
+    let power = 10_f64.powf((share * scale.limit).log10().floor()) / scale.limit;
+    let fits = |factor: &f64| factor * power <= share;
+    let factor = [5.0, 4.0, 2.0, 1.0].into_iter().find(fits).unwrap_or(1.0);
+    let high = factor * power;
     let high = if (0.1 * share..=share).contains(&high) { high } else { share };
     [ratio * high, high]
 }
