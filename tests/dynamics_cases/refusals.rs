@@ -66,7 +66,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("model = { mu = 3e9 }", "modl = { mu = 3e9 }", "34: region[0].modl: unknown key; did you mean 'model'? allowed here: shape, from, to, model, yield, contacts"),
         ("yield = { kind = 'none' }", "yield = { kind = 'non' }", "39: region[1].yield.kind: found 'non'; did you mean 'none'? allowed for cosserat: interlayer, von-mises, drucker-prager, cosserat-mises, none"),
         ("yield = { kind = 'none' }", "yield = { kind = 'none', strength = 1 }", "39: region[1].yield.strength: not used by an elastic solid; leave it out (it belongs to von-mises, drucker-prager, cosserat-mises)"),
-        ("yield = { kind = 'von-mises', strength = 5 }", "yield = { kind = 'von-mises' }", "42: region[2].yield.strength: missing; add strength to region[2].yield: expected a finite number in Pa (strength k in shear; > 0)"),
+        ("yield = { kind = 'von-mises', strength = 5 }", "yield = { kind = 'von-mises' }", "42: region[2].yield.strength: missing; add strength to region[2].yield: expected a finite number in Pa (strength k_Y in shear; > 0)"),
         ("shape = 'circle'", "shape = 'rest'", "37: region[1].center: found, but not used here; leave it out: it is used with shape circle or sphere, here 'rest'"),
         ("shape = 'circle'\ncenter = [2.5, 5]\nradius = 1.5", "shape = 'rest'", "39: region[2].shape: a second region with shape rest, after region[1] (folder/x.toml:35); use shape = \"rest\" once"),
         ("shape = 'circle'", "shape = 'sphere'", "36: region[1].shape: found 'sphere' in a grid of 2 dimensions; write circle"),
