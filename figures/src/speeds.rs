@@ -185,7 +185,7 @@ impl SpeedsFigure {
                 let ends = [[area.left, middle(area)], [area.right, middle(area)]];
                 SpokeStyle::DegenerateDirection.draw(picture, &ends);
             };
-            entries.push(("stationary discontinuity (zero speed)".to_owned(), Box::new(swatch)));
+            entries.push(("normal with zero speed, as named".to_owned(), Box::new(swatch)));
         }
         entries
     }
