@@ -1,6 +1,7 @@
 //! Domain decomposition: subdomains of a grid, each on its own thread, of one process or of several ranks.
 //!
-//! In each pass over memory a subdomain receives a halo of [`HALO`] cells per step of the pass (more along the first
+//! In each pass over memory a subdomain receives a halo of
+//! [`PassLimits::halo`](crate::solid::problem::PassLimits::halo) cells per step of the pass (more along the first
 //! axis for alternating sweeps, see [`Decomposition`]) and advances the halo cells redundantly. Every cell undergoes
 //! the same operations as without decomposition, and sums over cells are exact: results are identical bit for bit.
 //! Along the last axis, layers are exchanged during the pass. The upper halo is received last: a subdomain can
@@ -24,7 +25,6 @@ use crate::simd::InstructionSet;
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::Boundary;
 use crate::solid::domain::{Domain, SolverReal};
-use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::region::Region;
 use crate::solid::snapshot::StatePart;
@@ -115,7 +115,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns the maximum number of subdomains along the last axis of a domain with `first_axis` swept first.
     pub fn max_subdomains(first_axis: usize, problem: &Problem<D>) -> usize {
         let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
-        (permutation.permute_grid(&problem.grid).cells[D - 1] / HALO).max(1)
+        (permutation.permute_grid(&problem.grid).cells[D - 1] / problem.pass_limits().halo).max(1)
     }
 
     /// Creates a domain at rest in `count` subdomains, with `axis` swept first. The other axes keep their order; the

@@ -6,13 +6,12 @@
 
 use super::ranks::Owner;
 use crate::solid::domain::max_pass_steps;
-use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Grid, PassLimits};
 use crate::solid::region::Region;
 
 /// Decomposition of a grid into subdomains: a Cartesian array of boxes between cuts across each axis.
 ///
-/// Subdomains are numbered with the first axis fastest. The halo is [`HALO`] cells wide per step of a pass, plus
+/// Subdomains are numbered with the first axis fastest. The halo is [`PassLimits::halo`] cells wide per step of a pass, plus
 /// [`PassLimits::first_axis_halo`] along the first axis. Edges and corners of the halo hold cells of diagonal
 /// neighbours, which the exchange along one axis after the other passes on.
 #[derive(Clone, Debug)]
@@ -56,7 +55,7 @@ impl<const D: usize> Decomposition<D> {
             let widths = cuts[axis].windows(2).map(|own| own[1] - own[0]);
             widths.min().unwrap_or(grid.cells[axis])
         };
-        let mut steps = max_pass_steps::<D>(narrowest(D - 1)).min(limits.max_steps);
+        let mut steps = max_pass_steps::<D>(narrowest(D - 1), limits.halo).min(limits.max_steps);
         for (axis, &found) in subdomain_counts.iter().enumerate() {
             let min_cells = min_part_cells(axis, limits);
             if found == 0 || (found > 1 && narrowest(axis) < min_cells) {
@@ -64,8 +63,8 @@ impl<const D: usize> Decomposition<D> {
                 return Err(DomainError::SubdomainCount { axis, actual: found, cells, min_cells });
             }
             if found > 1 {
-                let extra_halo = min_cells - HALO;
-                steps = steps.min(max_pass_steps::<D>(narrowest(axis) - extra_halo));
+                let extra_halo = min_cells - limits.halo;
+                steps = steps.min(max_pass_steps::<D>(narrowest(axis) - extra_halo, limits.halo));
             }
         }
         let region = |subdomain: usize| {
@@ -79,7 +78,7 @@ impl<const D: usize> Decomposition<D> {
                     [position[axis] > 0, position[axis] + 1 < subdomain_counts[axis]];
                 has_neighbours.map(|has_neighbour| {
                     if has_neighbour || has_periodic_halo {
-                        steps * HALO + min_part_cells(axis, limits) - HALO
+                        (steps - 1) * limits.halo + min_part_cells(axis, limits)
                     } else {
                         0
                     }
@@ -138,7 +137,7 @@ impl<const D: usize> Decomposition<D> {
 /// Returns the smallest number of cells along an axis of one of several parts: that of the halo of its neighbour for one
 /// step.
 pub(super) const fn min_part_cells(axis: usize, limits: PassLimits) -> usize {
-    HALO + if axis == 0 { limits.first_axis_halo } else { 0 }
+    limits.halo + if axis == 0 { limits.first_axis_halo } else { 0 }
 }
 
 /// Returns cuts between `counts` parts along each axis of a grid, whose numbers of cells along an axis differ by at most
@@ -255,7 +254,7 @@ mod tests {
     #[test]
     fn regions_tile_the_grid() {
         let grid = Grid { cells: [23, 9, 17], spacing: [1.0; 3] };
-        let limits = PassLimits { first_axis_halo: 0, max_steps: 2 };
+        let limits = PassLimits { halo: 4, first_axis_halo: 0, max_steps: 2 };
         let plan =
             Decomposition::new(&grid, [true, false, false], limits, [3, 2, 4]).expect("sound");
         let mut owners = vec![0; grid.count()];
@@ -307,7 +306,7 @@ mod tests {
     #[test]
     fn ranks_own_neighbouring_subdomains() {
         let grid = Grid { cells: [40, 80], spacing: [1.0; 2] };
-        let limits = PassLimits { first_axis_halo: 0, max_steps: 1 };
+        let limits = PassLimits { halo: 4, first_axis_halo: 0, max_steps: 1 };
         // 2 × 3 ranks with two threads each.
         let plan = Decomposition::new(&grid, [false; 2], limits, [2, 6]).expect("sound");
         let owners: Vec<Owner> = (0..12).map(|index| plan.owner(index, 2)).collect();
@@ -319,7 +318,7 @@ mod tests {
 
     #[test]
     fn rank_counts_have_the_least_surface() {
-        let limits = PassLimits { first_axis_halo: 2, max_steps: 1 };
+        let limits = PassLimits { halo: 4, first_axis_halo: 2, max_steps: 1 };
         let plane = |cells: [usize; 2], periodic, ranks| {
             plan_rank_counts(&Grid { cells, spacing: [1.0; 2] }, periodic, limits, ranks).ok()
         };

@@ -15,7 +15,6 @@ use super::plan::{
 use super::ranks::enclose_regions;
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::domain::{SolverReal, message_volumes};
-use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Grid, PassLimits, Problem};
 use crate::solid::region::Region;
 use std::ops::Range;
@@ -98,7 +97,7 @@ impl<const D: usize> RankPlan<D> {
             }
         };
         let layers_per_rank = grid.cells[D - 1] / part_counts[D - 1];
-        let threads = counts.threads.clamp(1, (layers_per_rank / HALO).max(1));
+        let threads = counts.threads.clamp(1, (layers_per_rank / limits.halo).max(1));
         part_counts[D - 1] *= threads;
         let cuts = match count_layer_work(problem, communicator) {
             None => uniform_cuts(&grid, part_counts),

@@ -267,7 +267,7 @@ pub(crate) fn compute_ghosts<N: Number>(
     };
     let images = [image_of(outer_states[0]), image_of(outer_states[1])];
     match closure.slopes {
-        Slopes::Godunov => images,
+        Slopes::Godunov | Slopes::Wide(_) => images,
         Slopes::Limited => compute_limited_ghosts(
             [outer_states[0], outer_states[1]],
             images,

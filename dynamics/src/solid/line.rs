@@ -24,8 +24,9 @@
 //! with the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
 
 pub use super::cell::CellConstants;
-pub use super::reconstruction::{GHOSTS, HALO, Slopes};
+pub use super::reconstruction::{GHOSTS, HALO, Slopes, WideOrder};
 use super::riemann::{InterfaceState, State, update_cell};
+use super::wide_stencil;
 use crate::simd::Real;
 
 /// Energy account of a sweep, W per m² of the cross-section of the line; multiplied by the time step, J/m².
@@ -86,22 +87,37 @@ fn face_power<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) 
     lower_face.sum.to_f64() * lower_face.difference.to_f64() / (4.0 * cell.impedance.to_f64())
 }
 
-/// Computes mean stress × mean velocity over the step at the face in the middle of four cells, W/m²; positive towards
-/// the first of them. Exact at boundaries with prescribed velocity or traction, where one factor is constant over the
+/// Computes mean stress × mean velocity over the step at the face in the middle of the cells of its stencil
+/// (2 × [`Slopes::ghosts`]), W/m²; positive towards the first of them. Exact at boundaries with prescribed velocity or traction, where one factor is constant over the
 /// step; at non-reflecting boundaries the correlation within the step is neglected.
 pub(crate) fn boundary_power<T: Real>(
-    states: [State<T>; 4],
-    cells: [CellConstants<T>; 4],
+    stencil: impl Fn(usize) -> (State<T>, CellConstants<T>),
     slopes: Slopes,
 ) -> f64 {
-    face_power(&solve_face(states, cells.each_ref(), slopes)[0], &cells[1])
+    let (lower, upper) = (slopes.ghosts() - 1, slopes.ghosts());
+    let cell = stencil(lower).1;
+    let state = |place: usize| stencil(place).0;
+    let faces = match slopes {
+        Slopes::Wide(WideOrder::Sixth) => {
+            wide_stencil::solve_face::<T, 6>(std::array::from_fn(state), &stencil(upper).1)
+        }
+        Slopes::Wide(WideOrder::Eighth) => {
+            wide_stencil::solve_face::<T, 8>(std::array::from_fn(state), &stencil(upper).1)
+        }
+        Slopes::Godunov | Slopes::Limited | Slopes::FourthOrder => {
+            let cells: [CellConstants<T>; 4] = std::array::from_fn(|place| stencil(place).1);
+            solve_face(std::array::from_fn(state), cells.each_ref(), slopes)
+        }
+    };
+    face_power(&faces[0], &cell)
 }
 
-/// Advances a wave pair by a step along a line whose first and last [`GHOSTS`] cells are ghosts. Adds the account of
-/// each interior cell to `accounts`, if given; the work at the ends is assigned to the outermost interior cells.
+/// Advances a wave pair by a step along a line whose first and last cells are ghosts, as many as [`Slopes::ghosts`]
+/// states. Adds the account of each interior cell to `accounts`, if given; the work at the ends is assigned to the
+/// outermost interior cells.
 ///
-/// All slices have the same length, at least 2·[`GHOSTS`] + 1; `accounts` is shorter by 2·[`GHOSTS`]. Shorter lines are
-/// not changed.
+/// All slices have the same length, that of the interior and the ghosts; `accounts` has that of the interior. Lines
+/// without interior cells are not changed. With a wide stencil all cells have the same constants.
 pub fn sweep<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -109,40 +125,50 @@ pub fn sweep<T: Real>(
     slopes: Slopes,
     accounts: Option<&mut [SweepAccount]>,
 ) {
+    match slopes {
+        Slopes::Wide(WideOrder::Sixth) => {
+            return wide_stencil::sweep::<T, 6>(velocity, stress, cells, accounts);
+        }
+        Slopes::Wide(WideOrder::Eighth) => {
+            return wide_stencil::sweep::<T, 8>(velocity, stress, cells, accounts);
+        }
+        Slopes::Godunov | Slopes::Limited | Slopes::FourthOrder => {}
+    }
     let at_face =
         |states: [State<T>; 4], cells: [&CellConstants<T>; 4], _| solve_face(states, cells, slopes);
     advance(velocity, stress, cells, at_face, accounts);
 }
 
 /// Advances a wave pair as [`sweep`] does, with interface states from `at_face`, which is called once per face, in
-/// ascending order, with the states and constants of the four cells around the face and the index of the cell above it.
-pub(super) fn advance<T: Real>(
+/// ascending order, with the states and constants of the W cells around the face and the index of the cell above it.
+pub(super) fn advance<T: Real, const W: usize>(
     velocity: &mut [T],
     stress: &mut [T],
     cells: &[CellConstants<T>],
-    mut at_face: impl FnMut([State<T>; 4], [&CellConstants<T>; 4], usize) -> [InterfaceState<T>; 2],
+    mut at_face: impl FnMut([State<T>; W], [&CellConstants<T>; W], usize) -> [InterfaceState<T>; 2],
     mut accounts: Option<&mut [SweepAccount]>,
 ) {
     let length = cells.len().min(velocity.len()).min(stress.len());
-    if length <= 2 * GHOSTS {
+    let ghosts = W / 2;
+    if length <= 2 * ghosts {
         return;
     }
-    let (first, end) = (GHOSTS, length - GHOSTS);
+    let (first, end) = (ghosts, length - ghosts);
     let state = |velocity: &[T], stress: &[T], index: usize| State {
         velocity: velocity[index],
         stress: stress[index],
     };
     // Evaluates the lower face of cell `index` from the states before the step.
-    let mut lower_face_of = |states: [State<T>; 4], index: usize| {
-        let stencil = std::array::from_fn(|i| &cells[index - 2 + i]);
+    let mut lower_face_of = |states: [State<T>; W], index: usize| {
+        let stencil = std::array::from_fn(|i| &cells[index - ghosts + i]);
         at_face(states, stencil, index)
     };
-    let mut stencil: [State<T>; 4] =
-        std::array::from_fn(|i| state(velocity, stress, first - 2 + i));
+    let mut stencil: [State<T>; W] = std::array::from_fn(|i| state(velocity, stress, i));
     let mut left = lower_face_of(stencil, first);
     for index in first..end {
-        let cell_state = stencil[2];
-        stencil = [stencil[1], cell_state, stencil[3], state(velocity, stress, index + 2)];
+        let cell_state = stencil[ghosts];
+        stencil.rotate_left(1);
+        stencil[W - 1] = state(velocity, stress, index + ghosts);
         let right = lower_face_of(stencil, index + 1);
         let updated = update_cell(cell_state, [left[1], right[0]], &cells[index]);
         (velocity[index], stress[index]) = (updated.velocity, updated.stress);

@@ -7,6 +7,7 @@
 //! | [`contact_law`], `contact_faces` | contact of particles and of walls of pores: law of a cell, faces |
 //! | [`boundary`] | boundary conditions, loads and sources |
 //! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | sweep: cell constants, Riemann solver, limiter, update |
+//! | `wide_stencil` | sweeps of sixth and eighth order |
 //! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with history along a line |
 //! | `fluid_network` | flow of the fluid along saturated interlayers and through their junctions |
 //! | `ghosts` | boundary conditions as ghost cells |
@@ -48,3 +49,4 @@ mod restriction;
 mod riemann;
 mod shear_steps;
 pub mod snapshot;
+mod wide_stencil;

@@ -6,7 +6,7 @@ use crate::solid::fluid_network::MAX_FLUID_SUBSTEPS;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
 use crate::solid::metric::Metric;
-use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::reconstruction::Slopes;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 use std::sync::Arc;
@@ -74,6 +74,8 @@ pub enum Splitting {
 /// Limits of a pass of the fused solver over memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassLimits {
+    /// Width of the halo for each step, cells: [`Slopes::halo`].
+    pub halo: usize,
     /// Width of the halo along the first axis in addition to that for each step, cells.
     pub first_axis_halo: usize,
     /// Largest number of steps of a pass.
@@ -250,10 +252,14 @@ impl<const D: usize> Problem<D> {
         self.media.iter().any(separates)
     }
 
-    /// Returns the reconstruction beside physical boundaries: mirror images if any medium separates at faces. One-sided
-    /// reconstruction would continue the difference across an open face beyond the boundary.
+    /// Returns the reconstruction beside physical boundaries, first order standing for mirror images: if any medium
+    /// separates at faces, since one-sided reconstruction would continue the difference across an open face beyond the
+    /// boundary, and for wide stencils, which are stable with mirror images.
     pub(crate) fn boundary_slopes(&self) -> Slopes {
-        if self.separates() { Slopes::Godunov } else { self.scheme.slopes }
+        match self.scheme.slopes {
+            own if self.separates() || own.is_wide() => Slopes::Godunov,
+            own => own,
+        }
     }
 
     /// Whether there are saturated interlayers.
@@ -272,7 +278,8 @@ impl<const D: usize> Problem<D> {
         // cells. Sub-steps of the fluid need as many.
         let needs_more = self.scheme.is_alternating() || self.has_fluid();
         PassLimits {
-            first_axis_halo: if needs_more { GHOSTS } else { 0 },
+            halo: self.scheme.slopes.halo(),
+            first_axis_halo: if needs_more { self.scheme.slopes.ghosts() } else { 0 },
             max_steps: if self.has_fluid() { 1 } else { usize::MAX },
         }
     }
@@ -420,6 +427,9 @@ pub enum DomainError {
         /// Reason why they are invalid.
         reason: &'static str,
     },
+    /// A wide stencil ([`Slopes::Wide`]) in a problem that excludes it, with the reason.
+    #[error("reconstruction of sixth or eighth order: {0}")]
+    WideStencil(&'static str),
     /// Media with contacts in a problem that excludes them, with the reason.
     #[error("media with contacts: {0}")]
     Contacts(&'static str),

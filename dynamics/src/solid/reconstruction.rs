@@ -1,5 +1,5 @@
 //! Reconstruction: time-averaged characteristic variables at faces from cell averages. First order (Godunov 1959),
-//! limited piecewise linear (van Leer 1977; Roe 1985), or linear fourth order (Strang 1962).
+//! limited piecewise linear (van Leer 1977; Roe 1985), or linear fourth, sixth or eighth order (Strang 1962).
 //!
 //! The limiter (case key `order = "eno2"`) is [`Slopes::half_slope_correction`], with tighter bounds beside other
 //! media. The boundary closure in `ghosts` is derived from the energy bounds of this limiter, and
@@ -11,11 +11,14 @@ use super::riemann::{RiemannInvariants, State};
 use crate::simd::{Number, Real, Vector};
 use models::solid::waves::VelocityStressPair;
 
-/// Number of ghost cells beyond each end of a line.
+/// Number of ghost cells beyond each end of a line, unless the stencil is wide: see [`Slopes::ghosts`].
 pub const GHOSTS: usize = 2;
 
-/// Width of the halo beside a neighbouring subdomain, in cells per step of a pass: each of the two sweeps of a step
-/// along an axis reads [`GHOSTS`] cells beyond those it updates.
+/// Largest number of ghost cells beyond each end of a line.
+pub(crate) const MAX_GHOSTS: usize = 4;
+
+/// Width of the halo beside a neighbouring subdomain, in cells per step of a pass, unless the stencil is wide: see
+/// [`Slopes::halo`].
 pub const HALO: usize = 2 * GHOSTS;
 
 /// Reconstruction in cells.
@@ -31,6 +34,18 @@ pub enum Slopes {
     /// around a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
     /// discontinuities.
     FourthOrder,
+    /// As [`Self::FourthOrder`] with more cells around a face: see [`super::wide_stencil`]. One medium only, and mirror
+    /// images beyond boundaries.
+    Wide(WideOrder),
+}
+
+/// Order of a linear reconstruction from more than four cells around a face: the number of these cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WideOrder {
+    /// Sixth order, from six cells.
+    Sixth,
+    /// Eighth order, from eight cells.
+    Eighth,
 }
 
 /// Interlayers at some of the three faces between the four cells of a stencil, in one medium.
@@ -70,6 +85,27 @@ impl<N: Number> InterlayerStencil<N> {
 }
 
 impl Slopes {
+    /// Returns the number of ghost cells beyond each end of a line: half of the number of cells around a face that the
+    /// reconstruction reads.
+    pub const fn ghosts(self) -> usize {
+        match self {
+            Self::Godunov | Self::Limited | Self::FourthOrder => GHOSTS,
+            Self::Wide(WideOrder::Sixth) => 3,
+            Self::Wide(WideOrder::Eighth) => MAX_GHOSTS,
+        }
+    }
+
+    /// Returns the width of the halo beside a neighbouring subdomain, in cells per step of a pass: each of the two
+    /// sweeps of a step along an axis reads [`Self::ghosts`] cells beyond those it updates.
+    pub const fn halo(self) -> usize {
+        2 * self.ghosts()
+    }
+
+    /// Whether the reconstruction reads more than four cells around a face: see [`super::wide_stencil`].
+    pub const fn is_wide(self) -> bool {
+        matches!(self, Self::Wide(_))
+    }
+
     /// Creates the constants of a cell for a wave pair. The Courant number may exceed 1 by rounding. `has_interfaces`:
     /// whether the problem has several media or interlayers.
     pub(crate) fn cell_constants<T: Real>(
@@ -101,7 +137,7 @@ impl Slopes {
         let mean = cell.mean_slope_weight * (upwind + downwind);
         match self {
             Self::Limited => mean.minmod3(cell.upwind_bound * upwind, downwind),
-            Self::Godunov | Self::FourthOrder => N::ZERO,
+            Self::Godunov | Self::FourthOrder | Self::Wide(_) => N::ZERO,
         }
     }
 
@@ -124,7 +160,7 @@ impl Slopes {
                 let downwind_bound = N::ONE + contrast * (limit - N::ONE);
                 mean.minmod3(upwind_bound * upwind, downwind_bound * downwind)
             }
-            Self::Godunov | Self::FourthOrder => N::ZERO,
+            Self::Godunov | Self::FourthOrder | Self::Wide(_) => N::ZERO,
         }
     }
 
@@ -137,7 +173,7 @@ impl Slopes {
         next: RiemannInvariants<N>,
     ) -> RiemannInvariants<N> {
         match self {
-            Self::FourthOrder => next,
+            Self::FourthOrder | Self::Wide(_) => next,
             Self::Godunov | Self::Limited => own.difference(next),
         }
     }
@@ -151,7 +187,7 @@ impl Slopes {
         own: RiemannInvariants<N>,
     ) -> RiemannInvariants<N> {
         match self {
-            Self::FourthOrder => last,
+            Self::FourthOrder | Self::Wide(_) => last,
             Self::Godunov | Self::Limited => last.difference(own),
         }
     }
@@ -171,7 +207,7 @@ impl Slopes {
         cell: &CellConstants<N>,
     ) -> ([N; 2], RiemannInvariants<N>) {
         match self {
-            Self::FourthOrder => {
+            Self::FourthOrder | Self::Wide(_) => {
                 let right = cell.face_value([
                     carried_invariants.right,
                     lower_stencil.right,
@@ -216,7 +252,7 @@ impl Slopes {
         let [lower_cell, here, next] = states;
         let [cell_before, cell_behind, cell, cell_after] = cells;
         match self {
-            Self::FourthOrder => {
+            Self::FourthOrder | Self::Wide(_) => {
                 let (own_behind, own) = (
                     RiemannInvariants::from_state(lower_cell, cell_behind),
                     RiemannInvariants::from_state(here, cell),
@@ -303,7 +339,7 @@ impl Slopes {
         stencil: &InterlayerStencil<N>,
     ) -> ([N; 2], RiemannInvariants<N>) {
         match self {
-            Self::FourthOrder => {
+            Self::FourthOrder | Self::Wide(_) => {
                 let right = CellConstants::weighted_face_value(
                     stencil.weights[0],
                     [carried_invariants.right, lower_stencil.right, own.right, upper_stencil.right],
@@ -343,7 +379,7 @@ impl Slopes {
         let [first, before, own, next] = waves;
         let carried = match (stored, self) {
             (Some(stored), _) => stored,
-            (None, Self::FourthOrder) => first,
+            (None, Self::FourthOrder | Self::Wide(_)) => first,
             (None, Self::Godunov | Self::Limited) => {
                 let [behind, here, _] = stencil.continuity;
                 let differences =
@@ -366,7 +402,7 @@ impl Slopes {
         continuity: [N; 2],
     ) -> RiemannInvariants<N> {
         match self {
-            Self::FourthOrder => RiemannInvariants::from_state(states[0], cells[0]),
+            Self::FourthOrder | Self::Wide(_) => RiemannInvariants::from_state(states[0], cells[0]),
             Self::Godunov | Self::Limited => {
                 Reconstruction::from_mixed_media(states, cells, continuity, self)
                     .right_going_outflow()

@@ -2,7 +2,6 @@
 
 use crate::solid::boundary::{Boundary, Load, Source};
 use crate::solid::problem::Problem;
-use crate::solid::reconstruction::HALO;
 use crate::solid::region::Region;
 use std::borrow::Cow;
 
@@ -11,7 +10,7 @@ impl<const D: usize> Problem<D> {
     /// of copies of the layers at the opposite end.
     pub(crate) fn whole_region(&self, max_pass_steps: usize) -> Region<D> {
         let is_periodic = self.boundaries[D - 1][0] == Boundary::Periodic;
-        let width = if is_periodic { max_pass_steps * HALO } else { 0 };
+        let width = if is_periodic { max_pass_steps * self.scheme.slopes.halo() } else { 0 };
         let cells = self.grid.cells;
         let halo = std::array::from_fn(|axis| [if axis + 1 == D { width } else { 0 }; 2]);
         Region::new(cells, cells.map(|count| 0..count), halo)

@@ -20,7 +20,7 @@ use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::ledger::Energy;
-use wellposed_dynamics::line::{HALO, Slopes};
+use wellposed_dynamics::line::{Slopes, WideOrder};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
@@ -258,6 +258,23 @@ pub fn random_problem_with_media<const D: usize>(
     problem
 }
 
+/// Creates a random problem with a wide stencil: the first medium of a random problem, without interlayers, where lines
+/// are long enough.
+fn random_wide_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
+    let order = random.choose(&[WideOrder::Sixth, WideOrder::Eighth]);
+    loop {
+        let mut problem: Problem<D> = random_problem(random);
+        if problem.grid.cells.iter().all(|cells| *cells >= 4) {
+            problem.media.truncate(1);
+            problem.cell_media.fill(0);
+            problem.interlayers.clear();
+            problem.metric = None;
+            problem.scheme.slopes = Slopes::Wide(order);
+            return problem;
+        }
+    }
+}
+
 /// Distribution of random initial values.
 #[derive(Clone, Copy)]
 struct InitialValues {
@@ -376,10 +393,13 @@ pub fn compare_problems<T: SolverReal, const D: usize>(
             magnitude: random.choose(&[1.0, 1.0, 1.0, small_magnitude]),
             nonzero_fraction: random.choose(&[1.0, 1.0, 0.5, 0.05]),
         };
-        // Along the first axis the stencil of the output needs two more cells than the halo.
+        // Along the first axis the stencil of the output needs as many more cells than the halo as there are ghosts.
         let max_count = |axis: usize| {
-            let cells = problem.grid.cells[axis];
-            if axis == 0 { (cells / (HALO + 2)).clamp(1, 3) } else { (cells / HALO).clamp(1, 4) }
+            let (cells, ghosts) = (problem.grid.cells[axis], problem.scheme.slopes.ghosts());
+            match axis {
+                0 => (cells / (3 * ghosts)).clamp(1, 3),
+                _ => (cells / (2 * ghosts)).clamp(1, 4),
+            }
         };
         let mut random_counts =
             || std::array::from_fn(|axis| 1 + random.uniform_index(max_count(axis)));
@@ -450,6 +470,13 @@ fn fused_solver_equals_the_reference_in_single_precision_in_the_plane() {
 #[test]
 fn fused_solver_equals_the_reference_in_single_precision_in_space() {
     compare_solvers::<f32, 3>(3_000_000, FEW_PROBLEMS[0], FLUSHED_MAGNITUDES[1]);
+}
+
+#[test]
+fn fused_solver_equals_the_reference_with_wide_stencils() {
+    compare_problems::<f64, 2>((4_000_000, 30), FLUSHED_MAGNITUDES[0], random_wide_problem);
+    compare_problems::<f64, 3>((5_000_000, 10), FLUSHED_MAGNITUDES[0], random_wide_problem);
+    compare_problems::<f32, 2>((6_000_000, 10), FLUSHED_MAGNITUDES[1], random_wide_problem);
 }
 
 #[test]

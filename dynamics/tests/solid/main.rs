@@ -38,3 +38,4 @@ mod sweep_order;
 mod thread_start;
 mod uniaxial;
 mod verification;
+mod wide_stencil;

@@ -38,7 +38,7 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
         Self {
             closing_boundaries: vec![ClosingBoundaries::new(&faces[0]); closing],
             faces: vec![faces; 2 * max_pass_steps],
-            row_ends: RowEnds::new(layout.cells[0], layout.groups),
+            row_ends: RowEnds::new(layout.cells[0], layout.groups, layout.ghosts),
         }
     }
 

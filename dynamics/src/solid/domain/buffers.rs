@@ -7,12 +7,12 @@ use super::schedule::CHUNK_SIZE;
 use super::total_stress::{DoubleLanes, blocks_per_group};
 use crate::simd::{Number, Real};
 use crate::solid::problem::DomainError;
-use crate::solid::reconstruction::GHOSTS;
 
 /// Buffers of sweeps and return mapping, allocated once.
 #[derive(Clone)]
 pub(super) struct Buffers<T: Real> {
-    /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves.
+    /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves, several
+    /// for each with wide stencils.
     /// Sweeps along rows carry no state between tiles: along the first axis only the length of the list is used, for
     /// the number of lines.
     pub(super) carried_states: [Vec<Vec<CarriedState<T::Lanes>>>; 3],
@@ -37,7 +37,8 @@ impl<T: Real> Buffers<T> {
         needs_double: bool,
     ) -> Self {
         let layers = layout.layers();
-        let longest = layout.cells.iter().copied().max().unwrap_or(0).max(layers) + 2 * GHOSTS;
+        let longest =
+            layout.cells.iter().copied().max().unwrap_or(0).max(layers) + 2 * layout.ghosts;
         let carried_states = std::array::from_fn(|axis| {
             let lines = match axis {
                 0 => CHUNK_SIZE,
@@ -45,7 +46,8 @@ impl<T: Real> Buffers<T> {
                 _ => layers * layout.groups,
             };
             let waves = pairs.get(axis).copied().unwrap_or(0);
-            vec![vec![CarriedState::new(); lines * waves]; halves]
+            let slots = lines * waves * CarriedState::<T::Lanes>::slots(layout.ghosts);
+            vec![vec![CarriedState::new(); slots]; halves]
         });
         let blocks = layout.field_count * layout.groups * blocks_per_group::<T>();
         Self {

@@ -16,7 +16,6 @@ use super::{Domain, SolverReal};
 use crate::simd::{InstructionSet, LaneGroup, Real};
 use crate::solid::boundary::Boundary;
 use crate::solid::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
-use crate::solid::reconstruction::GHOSTS;
 use crate::solid::region::Region;
 use crate::solid::shear_steps::ShearSteps;
 use models::solid::waves::SolidField;
@@ -44,6 +43,7 @@ impl<const D: usize> Layout<D> {
                 && region.has_neighbours(D - 1) == [false; 2],
             field_count: problem.fields().len(),
             groups,
+            ghosts: problem.scheme.slopes.ghosts(),
             pitch,
             rows: cells[1..D - 1].iter().product(),
             exchanged_fields: exchanged_fields(problem, pitch),
@@ -103,7 +103,7 @@ pub(super) fn select_tile_sizes<T: SolverReal, const D: usize>(
 ) -> TileSizes {
     let row = layout.row_size() * size_of::<T::Lanes>();
     match D {
-        3 => TileSizes::new_in_space(row, is_periodic_in_place(problem, region, 1)),
+        3 => TileSizes::new_in_space(row, is_periodic_in_place(problem, region, 1), layout.ghosts),
         _ => TileSizes::PLANE_TILES,
     }
 }
@@ -137,7 +137,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let layout = Layout::new::<T>(problem, region);
         // Allocated first, since the fields take most of the memory.
         let field_data = allocate_zeros(
-            (layout.layers() * layout.rows + 2 * GHOSTS * CHUNK_SIZE) * layout.row_size(),
+            (layout.layers() * layout.rows + 2 * layout.ghosts * CHUNK_SIZE) * layout.row_size(),
         )?;
         let is_periodic = is_periodic_in_place(problem, region, 0);
         let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic);

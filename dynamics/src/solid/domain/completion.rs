@@ -9,11 +9,11 @@ use crate::solid::ghosts::{
     BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, GhostRule, compute_ghosts, image, set_times,
 };
 use crate::solid::line::sweep;
-use crate::solid::reconstruction::GHOSTS;
+use crate::solid::reconstruction::MAX_GHOSTS;
 use crate::solid::riemann::State;
 
-/// Number of cells in the stencil of the sweep for one cell.
-const STENCIL_CELLS: usize = 2 * GHOSTS + 1;
+/// Largest number of cells in the stencil of the sweep for one cell.
+const MAX_STENCIL_CELLS: usize = 2 * MAX_GHOSTS + 1;
 
 /// Number of cells next to a reflecting boundary whose output is the mean of the states before and after a sweep by
 /// half a step. The numerical boundary layer there depends on the Courant number of the sweeps: a sweep by a quarter of
@@ -90,11 +90,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             };
             let (mut velocity, mut stress, cells) =
                 self.load_stencil(cell, (pair, wave), boundaries);
-            let before = State { velocity: velocity[GHOSTS], stress: stress[GHOSTS] };
-            sweep(&mut velocity, &mut stress, &cells, self.scheme.slopes, None);
-            let change = fraction * (stress[GHOSTS] - before.stress);
+            let ghosts = self.layout.ghosts;
+            let before = State { velocity: velocity[ghosts], stress: stress[ghosts] };
+            let count = 2 * ghosts + 1;
+            let slopes = self.scheme.slopes;
+            sweep(&mut velocity[..count], &mut stress[..count], &cells[..count], slopes, None);
+            let change = fraction * (stress[ghosts] - before.stress);
             values[wave.velocity / self.layout.pitch] =
-                before.velocity + fraction * (velocity[GHOSTS] - before.velocity);
+                before.velocity + fraction * (velocity[ghosts] - before.velocity);
             values[wave.stress / self.layout.pitch] = before.stress + change;
             for (index, &place) in wave.passive_stresses.iter().enumerate() {
                 let ratio = self.materials.table.coupling_ratio(pattern, wave, index).lanes()[lane];
@@ -122,13 +125,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             || (length - 1 - depth < BOUNDARY_LAYER_CELLS && reflects(upper))
     }
 
-    /// Returns velocities, stresses and constants of a pair of waves in the stencil of a cell.
+    /// Returns velocities, stresses and constants of a pair of waves in the stencil of a cell; behind it, its last cell is
+    /// repeated.
     fn load_stencil(
         &self,
         cell: usize,
         (pair, wave): (usize, &WavePair),
         boundaries: &[BoundaryFaces<T>; 2],
-    ) -> ([T; STENCIL_CELLS], [T; STENCIL_CELLS], [CellConstants<T>; STENCIL_CELLS]) {
+    ) -> ([T; MAX_STENCIL_CELLS], [T; MAX_STENCIL_CELLS], [CellConstants<T>; MAX_STENCIL_CELLS])
+    {
         let length = self.layout.cells[0];
         let (row, x) = (cell / length, cell % length);
         let state = |x: usize| {
@@ -182,7 +187,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (ghost_states[depth], inner)
         };
         let state_and_constants = |offset: usize| {
-            let position = (x + offset) as isize - GHOSTS as isize;
+            let ghosts = self.layout.ghosts;
+            let position = (x + offset.min(2 * ghosts)) as isize - ghosts as isize;
             match usize::try_from(position) {
                 Ok(x) if x < length => (state(x), constants(x)),
                 Ok(x) => {
@@ -195,7 +201,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 }
             }
         };
-        let stencil: [(State<T>, CellConstants<T>); STENCIL_CELLS] =
+        let stencil: [(State<T>, CellConstants<T>); MAX_STENCIL_CELLS] =
             std::array::from_fn(state_and_constants);
         (
             stencil.map(|cell_values| cell_values.0.velocity),

@@ -4,7 +4,6 @@
 //! are exchanged before the pass, axis by axis from the first one on: the halo along an axis includes the cells in the
 //! halos along lower axes, so that edges and corners are filled by two or three successive exchanges.
 
-use super::schedule::stage_progress;
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number};
 use std::convert::Infallible;
@@ -103,8 +102,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             while loaded < block.end {
                 let rows = self.schedule.next_rows(loaded, block, (1, self.layout.rows));
                 loaded = rows.end;
-                let row_count = self.layout.rows;
-                let progress = [rows.start, rows.end].map(|row| stage_progress(row, row_count)[1]);
+                let progress = [rows.start, rows.end].map(|row| self.row_progress(row)[1]);
                 T::sweep_layer(self, layer, [rows, progress[0]..progress[1]]);
             }
             let depths = [layer - owned.start, owned.end - 1 - layer];

@@ -14,6 +14,7 @@ pub(crate) mod contacts;
 mod field_offsets;
 mod interlayer_law;
 pub(crate) mod interlayers;
+mod wide;
 
 use super::layout::GroupIndex;
 use super::material_table::{MaterialTable, WavePair};
@@ -60,6 +61,12 @@ pub(crate) struct CarriedState<N> {
 }
 
 impl<V: Number> CarriedState<V> {
+    /// Returns the number of carried states per line and pair of waves with `ghosts` ghosts: each holds the invariants of
+    /// one group, and the first one also the interface state.
+    pub(crate) const fn slots(ghosts: usize) -> usize {
+        ghosts - 1
+    }
+
     /// Returns the carried state of the first face of a line: zero.
     pub(crate) fn new() -> Self {
         Self {
@@ -164,7 +171,7 @@ impl<T: Real, const KIND: u8> SimdKernel<T> for SweepKernel<'_, '_, T, KIND> {
         match sweep.slopes {
             Slopes::Limited => sweep.advance_lines::<V, KIND>(lines, pattern, Slopes::Limited),
             // For first order the weights in the cell constants are zero.
-            Slopes::Godunov | Slopes::FourthOrder => {
+            Slopes::Godunov | Slopes::FourthOrder | Slopes::Wide(_) => {
                 sweep.advance_lines::<V, KIND>(lines, pattern, Slopes::FourthOrder);
             }
         }
@@ -180,6 +187,9 @@ impl<T: Real> SweepLines<'_, T> {
         }
         if self.contacts.is_some() {
             return self.sweep_path_with_contacts(instructions);
+        }
+        if let Slopes::Wide(order) = self.slopes {
+            return self.sweep_wide_path(order, instructions);
         }
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.

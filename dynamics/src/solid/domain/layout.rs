@@ -2,13 +2,14 @@
 //!
 //! A row along the first axis is folded into the lanes of a cache line: with G groups, cell x is in group x mod G and
 //! lane x div G, so that consecutive cells lie in the same lane of consecutive groups. A row stores its fields one
-//! after the other, each with all groups. Two ghosts follow the last cell within the row itself, and there are at least
-//! two groups: the neighbours of the first and the last groups of a row are in the adjacent lanes, not farther away.
+//! after the other, each with all groups. The ghosts follow the last cell within the row itself, and there are at least
+//! as many groups as ghosts: the neighbours of the first and the last groups of a row are in the adjacent lanes, not
+//! farther away.
 //!
 //! If a domain has neighbouring subdomains along an axis, or is periodic along the last one, it has a halo of
-//! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis for
-//! alternating sweeps. Cell indices count all cells, halo included, except indices of owned cells, which count owned
-//! cells.
+//! [`Slopes::halo`](crate::solid::line::Slopes::halo) cells for each step of a pass, and
+//! as many as ghosts more along the first axis for alternating sweeps. Cell indices count all cells, halo included, except
+//! indices of owned cells, which count owned cells.
 
 use super::schedule::CHUNK_SIZE;
 use crate::simd::{LaneGroup, Real};
@@ -71,6 +72,8 @@ pub(super) struct Layout<const D: usize> {
     pub(super) field_count: usize,
     /// Number of groups of a row.
     pub(super) groups: usize,
+    /// Number of ghosts beyond each end of a line.
+    pub(super) ghosts: usize,
     /// Distance between two fields of a row, in groups: the offset of a field is its index times this pitch.
     pub(super) pitch: usize,
     /// Number of rows of a layer across the last axis.
@@ -260,10 +263,10 @@ fn cell_in_box<const D: usize>(
     cell
 }
 
-/// Returns the number of groups of a row of `cells` cells and the ghosts after them: at least [`GHOSTS`], so that a
-/// stencil reaches the adjacent lanes only.
-fn min_groups<T: Real>(cells: usize) -> usize {
-    (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
+/// Returns the number of groups of a row of `cells` cells and the ghosts after them: at least as many as ghosts, so that
+/// a stencil reaches the adjacent lanes only.
+fn min_groups<T: Real>(cells: usize, ghosts: usize) -> usize {
+    (cells + ghosts).div_ceil(T::Lanes::COUNT).max(ghosts)
 }
 
 /// Returns the number of groups of a row of `cells` cells. With interlayers at regular distances along rows it is a
@@ -271,7 +274,7 @@ fn min_groups<T: Real>(cells: usize) -> usize {
 /// more than a quarter.
 pub(super) fn groups_per_row<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
     let block = problem.interlayers_across(0).map_or(1, Interlayers::common_distance);
-    let groups = min_groups::<T>(cells);
+    let groups = min_groups::<T>(cells, problem.scheme.slopes.ghosts());
     let multiple = groups.next_multiple_of(block);
     if multiple <= groups + groups / 4 { multiple } else { groups }
 }
@@ -287,7 +290,7 @@ pub(super) fn pitch(groups: usize) -> usize {
 pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();
-    let groups = min_groups::<T>(length);
+    let groups = min_groups::<T>(length, GHOSTS);
     let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
     let rows = count / length as f64 + (2 * GHOSTS * CHUNK_SIZE) as f64;
     rows * per_row as f64 + count * size_of::<u16>() as f64

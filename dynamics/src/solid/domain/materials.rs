@@ -246,7 +246,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
             _ if axis + 1 == D => [layout.layer_groups(), layout.layers()],
             _ => [layout.groups, layout.cells[axis]],
         });
-        let ghosts = 2 * GHOSTS * CHUNK_SIZE * layout.groups;
+        let ghosts = 2 * layout.ghosts * CHUNK_SIZE * layout.groups;
         let is_one = pattern_set.patterns.len() == 1;
         let run_lengths = lines.map(|[stride, count]| match is_one {
             true => Vec::new(),

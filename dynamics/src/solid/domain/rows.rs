@@ -6,7 +6,7 @@ use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{
     BoundaryClosure, BoundaryFaces, CLOSURE_CELLS, LaneIndex, compute_ghosts, image,
 };
-use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::reconstruction::{GHOSTS, MAX_GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use std::ops::Range;
 
@@ -15,31 +15,35 @@ use std::ops::Range;
 pub(crate) struct RowEnds<T: Real> {
     /// Number of groups of a row.
     groups: usize,
+    /// Number of ghosts beyond each end.
+    ghosts: usize,
     /// Positions of the outermost cells at each end, on which ghosts depend; shorter rows are continued periodically.
-    outer_cells: [[LaneIndex; CLOSURE_CELLS]; 2],
+    outer_cells: [[LaneIndex; MAX_GHOSTS]; 2],
     /// Whether a row has a single cell.
     has_single_cell: bool,
     /// Whether a row has fewer cells than its ghosts depend on.
     has_few_cells: bool,
-    /// Positions of the ghosts after the last cell.
-    ghosts_after_last_cell: [LaneIndex; GHOSTS],
-    /// By group, for the first [`GHOSTS`] groups of a row, and by depth of the ghosts after the last cell: mask of the
-    /// lane that holds the ghost, 0 if the ghost is in another group.
-    first_group_masks: [[u16; GHOSTS]; GHOSTS],
-    /// Positions of the padding lanes after the last cell. During a sweep the first [`GHOSTS`] of them hold ghost
-    /// values, and the sweep changes as many after these; otherwise all are zero.
+    /// Positions of the ghosts after the last cell; behind them, the last one is repeated.
+    ghosts_after_last_cell: [LaneIndex; MAX_GHOSTS],
+    /// By group, for as many first groups of a row as there are ghosts, and by depth of the ghosts after the last cell:
+    /// mask of the lane that holds the ghost, 0 if the ghost is in another group.
+    first_group_masks: [[u16; MAX_GHOSTS]; MAX_GHOSTS],
+    /// Positions of the padding lanes after the last cell. During a sweep the first of them hold the ghosts, and the
+    /// sweep changes as many after these; otherwise all are zero.
     padding: Vec<LaneIndex>,
     /// Ghost rule that copies values, the sign of zero included: for periodic ends.
     copying_rule: [T::Lanes; 5],
 }
 
 impl<T: Real> RowEnds<T> {
-    /// Creates the ends of rows of `length` cells in `groups` groups.
-    pub(crate) fn new(length: usize, groups: usize) -> Self {
+    /// Creates the ends of rows of `length` cells in `groups` groups, with `ghosts` ghosts beyond each.
+    pub(crate) fn new(length: usize, groups: usize, ghosts: usize) -> Self {
         let slot = |place: usize| (place % groups, place / groups);
-        let ghosts_after_last_cell = std::array::from_fn(|depth| slot(length + depth));
+        let ghosts_after_last_cell =
+            std::array::from_fn(|depth| slot(length + depth.min(ghosts - 1)));
         Self {
             groups,
+            ghosts,
             outer_cells: [
                 std::array::from_fn(|depth| slot(depth % length)),
                 std::array::from_fn(|depth| slot(length - 1 - depth % length)),
@@ -51,7 +55,7 @@ impl<T: Real> RowEnds<T> {
                 ghosts_after_last_cell
                     .map(|(group, lane)| if group == first { 1 << lane } else { 0 })
             }),
-            padding: (length..groups * T::Lanes::COUNT).take(2 * GHOSTS).map(slot).collect(),
+            padding: (length..groups * T::Lanes::COUNT).take(2 * ghosts).map(slot).collect(),
             copying_rule: [
                 T::Lanes::ONE,
                 -T::Lanes::ZERO,
@@ -73,8 +77,8 @@ pub(crate) struct Rows<'a, T: Real> {
     pub(crate) first_data: usize,
     /// Distance between two rows, and between the ghosts of two rows.
     pub(crate) size: usize,
-    /// Data index of the ghosts of the first row: the nearest and the farther one before its first group, then the
-    /// nearest and the farther one after its last group.
+    /// Data index of the ghosts of the first row: those before its first group, then those after its last group, each
+    /// from the nearest to the farthest one.
     pub(crate) first_ghost: usize,
     /// Distance between two of these ghosts.
     pub(crate) ghost_stride: usize,
@@ -116,22 +120,20 @@ impl<T: Real> Rows<'_, T> {
                 (wave.stress, [[lower_rule[2], lower_rule[3]], [upper_rule[2], upper_rule[3]]]),
             ] {
                 let field = &field_data[start + place..][..groups];
-                let lower_sources: [V; GHOSTS] = [
-                    broadcast_value(field, lower_sources[0]),
-                    broadcast_value(field, lower_sources[1]),
-                ];
-                let upper_sources: [V; GHOSTS] = [
-                    broadcast_value(field, upper_sources[0]),
-                    broadcast_value(field, upper_sources[1]),
-                ];
-                let mut lower_ghosts =
-                    [image(lower_rule, lower_sources[0]), image(lower_rule, lower_sources[1])];
-                let mut upper_ghosts =
-                    [image(upper_rule, upper_sources[0]), image(upper_rule, upper_sources[1])];
+                let mut lower_ghosts = [V::ZERO; MAX_GHOSTS];
+                let mut upper_ghosts = [V::ZERO; MAX_GHOSTS];
+                for depth in 0..self.ends.ghosts {
+                    lower_ghosts[depth] =
+                        image(lower_rule, broadcast_value(field, lower_sources[depth]));
+                    upper_ghosts[depth] =
+                        image(upper_rule, broadcast_value(field, upper_sources[depth]));
+                }
                 if self.ends.has_single_cell {
                     // In a row of a single cell the second ghost is the image of the ghost at the other end.
-                    lower_ghosts[1] = image(lower_rule, image(upper_rule, lower_sources[1]));
-                    upper_ghosts[1] = image(upper_rule, image(lower_rule, upper_sources[1]));
+                    let lower_source = broadcast_value(field, lower_sources[1]);
+                    let upper_source = broadcast_value(field, upper_sources[1]);
+                    lower_ghosts[1] = image(lower_rule, image(upper_rule, lower_source));
+                    upper_ghosts[1] = image(upper_rule, image(lower_rule, upper_source));
                 }
                 self.store_ghosts(field_data, place, row, [lower_ghosts, upper_ghosts]);
             }
@@ -151,11 +153,11 @@ impl<T: Real> Rows<'_, T> {
         let &RowEnds { groups, outer_cells: [first, last], .. } = self.ends;
         for row in rows {
             let field = &field_data[self.first_data + row * self.size + place..][..groups];
-            let mut ghosts = [[V::ZERO; GHOSTS]; 2];
+            let mut ghosts = [[V::ZERO; MAX_GHOSTS]; 2];
             for (ghosts, (value, sources)) in
                 ghosts.iter_mut().zip(values.into_iter().zip([last, first]))
             {
-                for depth in 0..GHOSTS {
+                for depth in 0..self.ends.ghosts {
                     ghosts[depth] = match value {
                         Some(value) => V::splat(value),
                         None => broadcast_value(field, sources[depth]),
@@ -199,14 +201,12 @@ impl<T: Real> Rows<'_, T> {
             for row in start..end {
                 let lane = row - start;
                 for (place, which) in [(wave.velocity, 0), (wave.stress, 1)] {
-                    let lower_ghosts = [
-                        V::splat(lower_rule[which][0].lanes()[lane]),
-                        V::splat(lower_rule[which][1].lanes()[lane]),
-                    ];
-                    let upper_ghosts = [
-                        V::splat(upper_rule[which][0].lanes()[lane]),
-                        V::splat(upper_rule[which][1].lanes()[lane]),
-                    ];
+                    let mut lower_ghosts = [V::ZERO; MAX_GHOSTS];
+                    let mut upper_ghosts = [V::ZERO; MAX_GHOSTS];
+                    for depth in 0..GHOSTS {
+                        lower_ghosts[depth] = V::splat(lower_rule[which][depth].lanes()[lane]);
+                        upper_ghosts[depth] = V::splat(upper_rule[which][depth].lanes()[lane]);
+                    }
                     self.store_ghosts(field_data, place, row, [lower_ghosts, upper_ghosts]);
                 }
             }
@@ -224,7 +224,11 @@ impl<T: Real> Rows<'_, T> {
         pair: usize,
         (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
-        let outer_cells = self.ends.outer_cells[end];
+        let outer_cells: [LaneIndex; CLOSURE_CELLS] = [
+            self.ends.outer_cells[end][0],
+            self.ends.outer_cells[end][1],
+            self.ends.outer_cells[end][2],
+        ];
         // Only non-reflecting boundaries need the state of the third cell.
         let depths = if closure.has_open_faces { CLOSURE_CELLS } else { GHOSTS };
         let mut velocity = [T::Lanes::ZERO; CLOSURE_CELLS];
@@ -349,25 +353,28 @@ impl<T: Real> Rows<'_, T> {
         field_data: &mut [T::Lanes],
         place: usize,
         row: usize,
-        [lower_ghosts, upper_ghosts]: [[V; GHOSTS]; 2],
+        [lower_ghosts, upper_ghosts]: [[V; MAX_GHOSTS]; 2],
     ) {
-        let &RowEnds { groups, ghosts_after_last_cell, first_group_masks, .. } = self.ends;
+        let &RowEnds { groups, ghosts: count, ghosts_after_last_cell, first_group_masks, .. } =
+            self.ends;
         let (field_data, ghosts) = field_data.split_at_mut(self.first_ghost);
         let ghost_stride = self.ghost_stride;
         let start = row * self.size + place;
         let field = &mut field_data[self.first_data + start..][..groups];
-        let ghosts = &mut ghosts[start..][..(2 * GHOSTS - 1) * ghost_stride + 1];
-        for depth in 0..GHOSTS {
+        let ghosts = &mut ghosts[start..][..(2 * count - 1) * ghost_stride + 1];
+        for depth in 0..count {
             let values = V::load(&field[groups - 1 - depth]);
             values.shift_in_low(lower_ghosts[depth]).store(&mut ghosts[depth * ghost_stride]);
             // Insert the ghosts after the last cell, which are stored in the row itself only at the end of this
             // function.
-            let values =
-                V::load(&field[depth]).blend_lanes(first_group_masks[depth][0], upper_ghosts[0]);
-            let values = values.blend_lanes(first_group_masks[depth][1], upper_ghosts[1]);
-            values.shift_in_high(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * ghost_stride]);
+            let mut values = V::load(&field[depth]);
+            for (lanes, ghost) in first_group_masks[depth].into_iter().zip(upper_ghosts).take(count)
+            {
+                values = values.blend_lanes(lanes, ghost);
+            }
+            values.shift_in_high(V::ZERO).store(&mut ghosts[(count + depth) * ghost_stride]);
         }
-        for depth in 0..GHOSTS {
+        for depth in 0..count {
             let (group, lane) = ghosts_after_last_cell[depth];
             let values = V::load(&field[group]).blend_lanes(1 << lane, upper_ghosts[depth]);
             values.store(&mut field[group]);

@@ -6,7 +6,7 @@
 //! layers before the next block does, so that layers in progress stay in the cache. In the plane, where layers are rows
 //! and many of them fit in the cache, the next step follows in the same pass.
 
-use crate::solid::reconstruction::{GHOSTS, HALO};
+use crate::solid::reconstruction::{GHOSTS, MAX_GHOSTS};
 use std::ops::Range;
 
 /// Number of rows or layers loaded at a time: few enough to stay in the cache, enough to amortise loading and storing
@@ -17,15 +17,16 @@ pub(super) const CHUNK_SIZE: usize = 8;
 pub(super) const MAX_PASS_STEPS: usize = 2;
 
 /// Ghosts at the lower end of lines are filled for the first chunk of a sweep, and the next sweep overwrites them. Each
-/// of the 2·[`MAX_PASS_STEPS`] sweeps of a pass must therefore advance by at least [`GHOSTS`] rows in the first chunk,
-/// although each sweep trails the previous one by [`GHOSTS`] rows. (In space [`TileSizes`] satisfies this.)
-const _: () = assert!(CHUNK_SIZE >= 2 * MAX_PASS_STEPS * GHOSTS);
+/// of the sweeps of a pass, two for each step, must therefore advance by at least as many rows as there are ghosts in the
+/// first chunk, although each sweep trails the previous one by as many rows. [`max_pass_steps`] and, in space,
+/// [`TileSizes`] satisfy this.
+const _: () = assert!(CHUNK_SIZE >= 2 * MAX_PASS_STEPS * GHOSTS && CHUNK_SIZE >= 2 * MAX_GHOSTS);
 
 /// Returns the progress of rows or layers of which `loaded` have been loaded: the numbers of those loaded, of those
-/// past the first sweep across them, and of those past the second. Each sweep trails the previous stage by [`GHOSTS`],
-/// the half-width of its stencil, until all are loaded.
-pub(super) fn stage_progress(loaded: usize, all: usize) -> [usize; 3] {
-    let completed = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
+/// past the first sweep across them, and of those past the second. Each sweep trails the previous stage by `ghosts`, the
+/// half-width of its stencil, until all are loaded.
+pub(super) fn stage_progress(loaded: usize, all: usize, ghosts: usize) -> [usize; 3] {
+    let completed = |ready: usize| if ready == all { all } else { ready.saturating_sub(ghosts) };
     [loaded, completed(loaded), completed(completed(loaded))]
 }
 
@@ -35,10 +36,13 @@ pub(super) fn stage_ranges(before: [usize; 3], ready: [usize; 3]) -> [Range<usiz
     std::array::from_fn(|stage| before[stage]..ready[stage])
 }
 
-/// Returns the largest number of steps of a pass if the smallest subdomain has `layers` layers: a subdomain must own
-/// all layers of the halos of its neighbours.
-pub(crate) fn max_pass_steps<const D: usize>(layers: usize) -> usize {
-    if D == 2 { (layers / HALO).clamp(1, MAX_PASS_STEPS) } else { 1 }
+/// Returns the largest number of steps of a pass with a halo of `halo` layers per step if the smallest subdomain has
+/// `layers` layers: a subdomain must own all layers of the halos of its neighbours.
+pub(crate) fn max_pass_steps<const D: usize>(layers: usize, halo: usize) -> usize {
+    match D {
+        2 => (layers / halo).clamp(1, MAX_PASS_STEPS.min(CHUNK_SIZE / halo)),
+        _ => 1,
+    }
 }
 
 /// Size of the rows of layers that are loaded together, bytes, so that they stay in the private cache of a core during
@@ -62,16 +66,16 @@ impl TileSizes {
     /// Tiles in the plane, where layers are rows.
     pub(super) const PLANE_TILES: Self = Self { layers: CHUNK_SIZE, rows: 1, block_rows: 1 };
 
-    /// Returns the tile sizes in space, for rows of `row` bytes. Periodic rows are the ghosts of each other and must
-    /// all be loaded.
-    pub(super) fn new_in_space(row: usize, is_periodic: bool) -> Self {
+    /// Returns the tile sizes in space, for rows of `row` bytes and stencils with `ghosts` ghosts. Periodic rows are the
+    /// ghosts of each other and must all be loaded.
+    pub(super) fn new_in_space(row: usize, is_periodic: bool, ghosts: usize) -> Self {
         let fits_private_cache = |layers: &usize| layers * CHUNK_SIZE * row <= PRIVATE_CACHE_BYTES;
-        let layers = (2 * GHOSTS..=CHUNK_SIZE)
+        let layers = (2 * ghosts..=CHUNK_SIZE)
             .rev()
             .step_by(2)
             .find(fits_private_cache)
-            .unwrap_or(2 * GHOSTS);
-        let block_chunks = SHARED_CACHE_BYTES / ((layers + 2 * GHOSTS) * row) / CHUNK_SIZE;
+            .unwrap_or(2 * ghosts);
+        let block_chunks = SHARED_CACHE_BYTES / ((layers + 2 * ghosts) * row) / CHUNK_SIZE;
         match is_periodic {
             true => Self { layers, rows: usize::MAX, block_rows: usize::MAX },
             false => {

@@ -43,7 +43,6 @@ use super::schedule::{CHUNK_SIZE, MAX_PASS_STEPS, stage_progress, stage_ranges};
 use super::{Domain, SolverReal};
 use crate::solid::cell_laws::LawInterval;
 use crate::solid::problem::PlasticStep;
-use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;
 
 /// Layers in the three stages of a step: x y z (stage 0), K Q K z (stage 1) and y x P (stage 2).
@@ -107,7 +106,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     ) -> Result<(), H::Error> {
         let (layer_count, owned, rows) =
             (self.layout.layers(), self.layout.owned_layers(), self.layout.rows);
-        let swept = stage_progress(block.start, rows)[1]..stage_progress(block.end, rows)[1];
+        let ghosts = self.layout.ghosts;
+        let swept = self.row_progress(block.start)[1]..self.row_progress(block.end)[1];
         self.sweep_and_send(block, &swept, neighbours)?;
         if self.layout.is_periodic_in_place {
             self.fill_periodic_halo(&swept);
@@ -122,10 +122,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 self.receive_layers(1, &swept, neighbours)?;
             }
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
-                let before = std::mem::replace(ready, stage_progress(loaded, layer_count));
-                // Layers that no later sweep reads are skipped: each sweep reads GHOSTS layers beyond those it writes.
+                let before = std::mem::replace(ready, stage_progress(loaded, layer_count, ghosts));
+                // Layers that no later sweep reads are skipped: each sweep reads as many layers beyond those it writes.
                 let stage_layers = std::array::from_fn(|stage| {
-                    let margin = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
+                    let margin = 2 * (steps - 1 - step) * ghosts + (2 - stage) * ghosts;
                     owned.start.saturating_sub(margin)..layer_count.min(owned.end + margin)
                 });
                 let layers = std::array::from_fn(|stage| {
@@ -149,6 +149,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
+    /// Returns the progress of the rows of a layer of which `loaded` have been loaded; see [`stage_progress`].
+    pub(super) fn row_progress(&self, loaded: usize) -> [usize; 3] {
+        stage_progress(loaded, self.layout.rows, self.layout.ghosts)
+    }
+
     /// Accumulates time integrals and records watched cells, in layers that have completed a step.
     pub(super) fn record_completed_layers(&mut self, layers: &Range<usize>, step: usize) {
         if !self.scheme.is_alternating() {
@@ -159,16 +164,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Advances layers by one step, each stage in its layers. Within a layer, each sweep across rows trails the
-    /// previous stage by [`GHOSTS`] rows, as sweeps across layers trail it by [`GHOSTS`] layers.
+    /// previous stage by as many rows as there are ghosts, as sweeps across layers trail it by as many layers.
     pub(super) fn advance_layers(&mut self, stages: &StepStages<'_>) {
         let &StepStages { layers, pass_layers: ends, block, first_half: first } = stages;
         let (row_count, second) = (self.layout.rows, first + 1);
         let steps_done = self.schedule.steps - self.schedule.pass_steps + first / 2 + 1;
         let tile_layers_and_rows = (self.schedule.tile_sizes.layers, row_count);
-        let mut ready = stage_progress(block.start, row_count);
+        let mut ready = self.row_progress(block.start);
         while ready[0] < block.end {
             let rows = self.schedule.next_rows(ready[0], block, tile_layers_and_rows);
-            let before = std::mem::replace(&mut ready, stage_progress(rows.end, row_count));
+            let before = std::mem::replace(&mut ready, self.row_progress(rows.end));
             let rows = stage_ranges(before, ready);
             // Sweeps x y; `sweep_and_send` or a neighbour has already applied them to exchanged layers.
             for layer in layers[0].clone() {

@@ -2,7 +2,7 @@
 
 use super::ghost_kernels::{ImageGhostKernel, OneSidedGhostKernel, RowGhostKernel};
 use super::kernel::interlayers::PathInterlayers;
-use super::kernel::{MAX_PREFETCH_FIELDS, PrefetchL2, SweepLines};
+use super::kernel::{CarriedState, MAX_PREFETCH_FIELDS, PrefetchL2, SweepLines};
 use super::layout::{GroupIndex, RowSegment};
 use super::material_table::WavePair;
 use super::rows::Rows;
@@ -12,7 +12,7 @@ use crate::simd::LaneGroup;
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BoundaryFaces, CLOSURE_CELLS};
 use crate::solid::line;
-use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::reconstruction::{GHOSTS, MAX_GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use models::interface::Interval;
 use std::ops::Range;
@@ -197,14 +197,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Continues a sweep across rows or layers: `ready` are the places along the lines that the previous stage has
-    /// completed since the last call. The sweep updates the cells at places below `ready.end` − [`GHOSTS`] or, if
-    /// `ready` reaches the upper end of the lines, all cells.
+    /// completed since the last call. The sweep updates the cells at places below `ready.end` minus the number of ghosts
+    /// or, if `ready` reaches the upper end of the lines, all cells.
     fn continue_sweep(&mut self, bundle: LineBundle, ready: Range<usize>) {
-        // The ghosts at the lower end depend on [`CLOSURE_CELLS`] cells: wait until these are loaded.
-        if ready.is_empty() || ready.end < CLOSURE_CELLS.min(bundle.count) {
+        // The ghosts at the lower end depend on these cells: wait until they are loaded.
+        let outer_cells = CLOSURE_CELLS.max(self.layout.ghosts);
+        if ready.is_empty() || ready.end < outer_cells.min(bundle.count) {
             return;
         }
-        let start = if ready.start < CLOSURE_CELLS { 0 } else { ready.start };
+        let start = if ready.start < outer_cells { 0 } else { ready.start };
         let ready = start..ready.end;
         let ends = [ready.start == 0, ready.end == bundle.count];
         // Fill both ends first: in a line of a single cell the work at one end depends on the ghosts at the other.
@@ -215,7 +216,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.accumulate_boundary_work(bundle, end);
         }
         let start = ready.start as isize - 1;
-        let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
+        let end = match ends[1] {
+            true => bundle.count as isize + 1,
+            false => ready.end as isize + 1 - self.layout.ghosts as isize,
+        };
         self.sweep_path(bundle, start..end);
     }
 
@@ -225,7 +229,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let LineBundle { axis, half_step, lines, .. } = bundle;
         let mut path = std::mem::take(&mut self.buffers.path);
         path.clear();
-        let (first, end, count) = (places.start - 1, places.end + 1, bundle.count as isize);
+        // Beyond the current groups, the path holds those that the stencils reach.
+        let (reach, count) = (self.layout.ghosts as isize - 1, bundle.count as isize);
+        let (first, end) = (places.start - reach, places.end + reach);
         let previous_group = self.path_group(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
         path.extend((first..0).map(|place| self.path_group(bundle, 0, place)));
         path.extend((first.max(0)..end.min(count)).map(|place| bundle.group_at(place as usize)));
@@ -233,7 +239,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let field_count = self.fields().len();
         let prefetch_l1_distance = PREFETCH_LINES[axis].unwrap_or(self.layout.row_size());
         let prefetch_l2 = self.choose_prefetch_l2(bundle);
-        let before = bundle.carried * self.materials.waves[axis].len();
+        let slots =
+            self.materials.waves[axis].len() * CarriedState::<T::Lanes>::slots(self.layout.ghosts);
+        let before = bundle.carried * slots;
         let mut carried = std::mem::take(&mut self.buffers.carried_states[axis][half_step]);
         let mut field_data = std::mem::take(&mut self.field_data);
         let mut history = std::mem::take(&mut self.interfaces.history);
@@ -262,7 +270,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             is_line_start: places.start < 0,
             prefetch_l1_distance,
             prefetch_l2,
-            carried: &mut carried[before..before + lines * waves.len()],
+            carried: &mut carried[before..before + lines * slots],
             rows: (axis == 0).then(|| self.bundle_rows(bundle)),
             interlayers,
             contacts: self.path_contacts(axis, half_step),
@@ -279,8 +287,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// The sweeps across rows and layers share the fields among them, so that the requests are spread over time.
     fn choose_prefetch_l2(&self, bundle: LineBundle) -> PrefetchL2 {
         let LineBundle { axis, half_step, face, .. } = bundle;
-        // `rows` and `layers`: distance of this sweep behind the rows loaded last, in units of GHOSTS rows and of
-        // GHOSTS layers; in the plane, layers are rows.
+        // `rows` and `layers`: distance of this sweep behind the rows loaded last, in units of as many rows and layers
+        // as there are ghosts; in the plane, layers are rows.
         let (part, parts, rows, layers) = match (D, axis, half_step) {
             // In the plane, prefetch only in the last step of a pass: earlier requests would be evicted.
             (2, 1, half_step) if half_step + 2 >= 2 * self.schedule.pass_steps => {
@@ -294,7 +302,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (3, 1, 1) => (3, 4, 1, 2),
             _ => return PrefetchL2 { distance: 0, fields: 0..0 },
         };
-        let behind = self.schedule.prefetch_rows + GHOSTS * (rows + layers * self.layout.rows);
+        let behind =
+            self.schedule.prefetch_rows + self.layout.ghosts * (rows + layers * self.layout.rows);
         let share = MAX_PREFETCH_FIELDS / parts;
         PrefetchL2 {
             distance: behind * self.layout.row_size(),
@@ -306,7 +315,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// adjacent.
     fn path_group(&self, bundle: LineBundle, line: usize, place: isize) -> GroupIndex {
         let ghost = |end: usize, depth: usize| {
-            let row = self.layout.layers() * self.layout.rows + (end * GHOSTS + depth) * CHUNK_SIZE;
+            let ghost_rows = (end * self.layout.ghosts + depth) * CHUNK_SIZE;
+            let row = self.layout.layers() * self.layout.rows + ghost_rows;
             self.layout.group_index(row, 0).shift_to_line(line, bundle.line_stride)
         };
         match usize::try_from(place) {
@@ -351,7 +361,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let LineBundle { axis, half_step, count, lines, face, .. } = bundle;
         let boundaries = &self.boundaries.faces[half_step][axis];
         let mut field_data = std::mem::take(&mut self.field_data);
-        let places: [[GroupIndex; 2]; GHOSTS] = std::array::from_fn(|depth| {
+        let ghosts = self.layout.ghosts;
+        let places: [[GroupIndex; 2]; MAX_GHOSTS] = std::array::from_fn(|depth| {
+            let depth = depth.min(ghosts - 1);
             let source_end =
                 if matches!(boundaries[end], BoundaryFaces::Periodic) { 1 - end } else { end };
             let source_position = [depth % count, count - 1 - depth % count][source_end];
@@ -359,7 +371,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 .map(|place| self.path_group(bundle, 0, place))
         });
         if !self.materials.run_lengths[axis].is_empty() {
-            for [source, ghost] in places {
+            for [source, ghost] in places.into_iter().take(ghosts) {
                 for line in 0..lines {
                     let [source, ghost] =
                         [source, ghost].map(|stop| stop.shift_to_line(line, bundle.line_stride));
@@ -370,7 +382,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         if let Some(contacts) = self.path_contacts(axis, half_step) {
             for place in contacts.history_offsets() {
-                for [source, ghost] in places {
+                for [source, ghost] in places.into_iter().take(ghosts) {
                     for line in 0..lines {
                         field_data[ghost.start + place + line] = match contacts.boundary_values[end]
                         {
@@ -393,7 +405,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     ghost_rule,
                     end,
                     outer_cells: outer_cells.map(|stop| stop.start),
-                    ghosts: places.map(|[_, ghost]| ghost.start),
+                    ghosts: [places[0][1].start, places[1][1].start],
                     lines,
                     face,
                     table: &self.materials.table,
@@ -403,7 +415,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 self.instructions.run_kernel::<T>(fill);
             }
             _ => {
-                for (depth, [source, ghost]) in places.into_iter().enumerate() {
+                for (depth, [source, ghost]) in places.into_iter().take(ghosts).enumerate() {
                     // In a line of a single cell the second ghost is the image of the ghost at the other end.
                     let applied_ends =
                         if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
@@ -461,7 +473,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let wave = &self.sweep_waves(bundle.axis, bundle.half_step)[pair];
         // The ghosts at the upper end of a row are stored in the row itself.
         let (length, beyond) = match bundle.axis {
-            0 => (self.layout.cells[0], GHOSTS),
+            0 => (self.layout.cells[0], self.layout.ghosts),
             _ => (bundle.count, 0),
         };
         let (stop, lane) = match usize::try_from(place) {
@@ -566,12 +578,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             BoundaryFaces::Physical(ghost_rule) if ghost_rule.can_do_work_at(pair, face) => {}
             _ => return 0.0,
         }
-        let first = [-2, self.cell_and_line_counts(bundle).0 as isize - 2][end];
-        let stencil_cells = [0, 1, 2, 3].map(|i| self.read_cell(bundle, line, first + i, pair));
-        let (states, cells) = (stencil_cells.map(|own| own.0), stencil_cells.map(|own| own.1));
+        let first = [0, self.cell_and_line_counts(bundle).0][end] as isize;
+        let first = first - self.layout.ghosts as isize;
+        let stencil = |place: usize| self.read_cell(bundle, line, first + place as isize, pair);
         let separates = self.lane_laws.contacts.as_ref().is_some_and(|own| own.separates);
         let slopes = if separates { Slopes::Godunov } else { self.scheme.slopes };
-        let work = line::boundary_power(states, cells, slopes);
+        let work = line::boundary_power(stencil, slopes);
         if end == 0 { -work } else { work }
     }
 }

@@ -39,6 +39,7 @@ impl<const D: usize> Problem<D> {
         self.check_contacts()?;
         self.check_overstress()?;
         self.check_shear_interval()?;
+        self.check_wide_stencil()?;
         let steps = ShearSteps::new(self);
         for (axis, boundaries_of_axis) in self.boundaries.iter().enumerate() {
             let pairs = self.media.iter().flat_map(|m| &m.pairs[axis]);
@@ -105,6 +106,23 @@ impl<const D: usize> Problem<D> {
         Ok(())
     }
 
+    /// Checks that a problem with a wide stencil has nothing that would change the medium or the cell length within a
+    /// stencil, and that lines are as long as their ghosts.
+    fn check_wide_stencil(&self) -> Result<(), DomainError> {
+        let slopes = self.scheme.slopes;
+        if !slopes.is_wide() {
+            return Ok(());
+        }
+        let refuse = |reason| Err(DomainError::WideStencil(reason));
+        if self.media.len() > 1 || !self.interlayers.is_empty() || self.metric.is_some() {
+            return refuse("it is for one medium on a uniform grid without interlayers");
+        }
+        if self.grid.cells.iter().any(|cells| *cells < slopes.ghosts()) {
+            return refuse("an axis has fewer cells than its stencil beside a boundary");
+        }
+        Ok(())
+    }
+
     /// Checks that a problem with contacts has nothing that the laws of contacts exclude.
     fn check_contacts(&self) -> Result<(), DomainError> {
         if !self.has_contacts() {
@@ -117,7 +135,7 @@ impl<const D: usize> Problem<D> {
         if self.scheme.plastic_step == PlasticStep::MidpointReflection {
             return refuse("the return mapping must be at the end of the step");
         }
-        if self.scheme.slopes == Slopes::FourthOrder {
+        if !matches!(self.scheme.slopes, Slopes::Godunov | Slopes::Limited) {
             return refuse("the reconstruction must be limited or of first order");
         }
         if self.initial_stress.is_some() || !self.interlayers.is_empty() {

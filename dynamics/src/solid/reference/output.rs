@@ -9,7 +9,6 @@ use crate::solid::ghosts::BoundaryFaces;
 use crate::solid::ledger::{EnergySums, WorkSums};
 use crate::solid::line;
 use crate::solid::medium::{energy_terms_by_medium, stress_component};
-use crate::solid::reconstruction::GHOSTS;
 use crate::solid::snapshot::{Snapshot, StatePart};
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
@@ -189,10 +188,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         wave: &ReferenceWavePair<T>,
         (line_fields, fraction): (&LineFields<T>, T),
     ) {
-        let before = self.fields[wave.velocity][cell];
-        values[wave.velocity][x] = before + fraction * (line_fields.velocity[GHOSTS + x] - before);
+        let (before, place) = (self.fields[wave.velocity][cell], self.slopes.ghosts() + x);
+        values[wave.velocity][x] = before + fraction * (line_fields.velocity[place] - before);
         let before = self.fields[wave.stress][cell];
-        let change = fraction * (line_fields.stress[GHOSTS + x] - before);
+        let change = fraction * (line_fields.stress[place] - before);
         values[wave.stress][x] = before + change;
         let medium = usize::from(self.problem.cell_media[cell]);
         for (index, ratios) in &wave.passive_stresses {

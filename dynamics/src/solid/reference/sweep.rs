@@ -11,7 +11,7 @@ use crate::solid::interface::{LineState, sweep_with_interlayers};
 use crate::solid::interlayers::with_pair_count;
 use crate::solid::line::{self, SweepAccount};
 use crate::solid::problem::Problem;
-use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::reconstruction::{MAX_GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use models::interface::Interval;
 use models::solid::waves::SolidField;
@@ -235,12 +235,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             let time = wave.step_fraction * self.problem.step;
             // Accounts are powers per area: the factor is area times duration, m² s.
             let face_time = self.problem.grid.volume() / wave.spacing * time;
+            let ghosts = self.slopes.ghosts();
             for position in 0..line.count {
                 let cell = line.cell(position);
                 let medium = usize::from(self.problem.cell_media[cell]);
-                let change = line_fields.stress[GHOSTS + position] - self.fields[wave.stress][cell];
-                self.fields[wave.velocity][cell] = line_fields.velocity[GHOSTS + position];
-                self.fields[wave.stress][cell] = line_fields.stress[GHOSTS + position];
+                let change = line_fields.stress[ghosts + position] - self.fields[wave.stress][cell];
+                self.fields[wave.velocity][cell] = line_fields.velocity[ghosts + position];
+                self.fields[wave.stress][cell] = line_fields.stress[ghosts + position];
                 for (index, ratios) in &wave.passive_stresses {
                     let value = &mut self.fields[*index][cell];
                     *value = *value + ratios[medium] * change;
@@ -267,10 +268,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         line_fields.stress.clear();
         line_fields.cells.clear();
         let [front, back] = [0, 1].map(|end| self.compute_end_ghosts(line, wave, boundaries, end));
-        front.into_iter().rev().for_each(|own| line_fields.push(own));
+        let ghosts = self.slopes.ghosts();
+        front[..ghosts].iter().rev().for_each(|own| line_fields.push(*own));
         (0..line.count)
             .for_each(|position| line_fields.push(self.read_cell(line, wave.1, position)));
-        back.into_iter().for_each(|own| line_fields.push(own));
+        back[..ghosts].iter().for_each(|own| line_fields.push(*own));
     }
 
     /// Returns state and constants of a cell of a line.
@@ -288,21 +290,22 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         (state, wave.cells[usize::from(self.problem.cell_media[cell])])
     }
 
-    /// Computes states and constants of the ghosts beyond an end of a line, nearest first.
+    /// Computes states and constants of the ghosts beyond an end of a line, nearest first; those beyond the ghosts of the
+    /// reconstruction have no meaning.
     fn compute_end_ghosts(
         &self,
         line: GridLine,
         (pair, wave): (usize, &ReferenceWavePair<T>),
         boundaries: &[BoundaryFaces<T>; 2],
         end: usize,
-    ) -> [(State<T>, CellConstants<T>); GHOSTS] {
+    ) -> [(State<T>, CellConstants<T>); MAX_GHOSTS] {
         let cell_from_end =
             |end: usize, depth: usize| self.read_cell(line, wave, line.index_from_end(end, depth));
         let BoundaryFaces::Physical(rule) = &boundaries[end] else {
             return std::array::from_fn(|depth| cell_from_end(1 - end, depth));
         };
         let face = lane_index::<T>(line.face);
-        if line.count >= CLOSURE_CELLS {
+        if line.count >= CLOSURE_CELLS && !self.slopes.is_wide() {
             let outer_cells: [_; CLOSURE_CELLS] =
                 std::array::from_fn(|depth| cell_from_end(end, depth));
             let medium = self.problem.cell_media[line.cell(line.index_from_end(end, 0))];
@@ -317,7 +320,10 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 cells.each_ref(),
                 ghost_coefficients,
             );
-            return std::array::from_fn(|depth| (ghost_states[depth], cells[depth]));
+            return std::array::from_fn(|depth| {
+                let own = depth.min(ghost_states.len() - 1);
+                (ghost_states[own], cells[own])
+            });
         }
         let mirror_state = |rule: [T; 5], own: State<T>| State {
             velocity: image([rule[0], rule[1]], own.velocity),
@@ -350,14 +356,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             _ => return 0.0,
         }
         let first = [0, line.count][end];
-        let state_at = |index: usize| State {
-            velocity: line_fields.velocity[index],
-            stress: line_fields.stress[index],
+        let cell_at = |place: usize| {
+            let LineFields { velocity, stress, cells, .. } = line_fields;
+            let place = first + place;
+            (State { velocity: velocity[place], stress: stress[place] }, cells[place])
         };
-        let states = [0, 1, 2, 3].map(|i| state_at(first + i));
-        let cells = [0, 1, 2, 3].map(|i| line_fields.cells[first + i]);
         let slopes = if self.problem.separates() { Slopes::Godunov } else { self.slopes };
-        let power = line::boundary_power(states, cells, slopes);
+        let power = line::boundary_power(cell_at, slopes);
         if end == 0 { -power } else { power }
     }
 }

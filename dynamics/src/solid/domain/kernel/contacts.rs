@@ -166,7 +166,7 @@ impl<T: Real> SweepLines<'_, T> {
         let (path, steps) = (self.path, self.path.len() - 2);
         let slopes = match self.slopes {
             Slopes::Limited => Slopes::Limited,
-            Slopes::Godunov | Slopes::FourthOrder => Slopes::Godunov,
+            Slopes::Godunov | Slopes::FourthOrder | Slopes::Wide(_) => Slopes::Godunov,
         };
         let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
         let slot = line * P;

@@ -1,0 +1,122 @@
+//! Sweep of lines of one medium with a wide stencil: the formulas of [`crate::solid::wide_stencil`] in SIMD lanes.
+
+use super::super::layout::GroupIndex;
+use super::{CarriedState, SweepLines, load_next, prefetch};
+use crate::simd::{InstructionSet, Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
+use crate::solid::reconstruction::WideOrder;
+use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
+use crate::solid::wide_stencil::{face_weights, interface_state};
+
+/// Kernel: sweep of all lines with W groups around a face.
+struct WideKernel<'a, 'b, T: Real, const W: usize>(&'a mut SweepLines<'b, T>);
+
+impl<T: Real, const W: usize> SimdKernel<T> for WideKernel<'_, '_, T, W> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let sweep = self.0;
+        let lines = sweep.carried.len() / (sweep.waves.len() * (W / 2 - 1)).max(1);
+        for index in 0..sweep.waves.len() {
+            if let Some(rows) = &sweep.rows {
+                rows.fill_ghosts::<V>(sweep.field_data, &sweep.waves[index], index, 0..lines);
+            }
+            debug_assert!(sweep.waves[index].passive_stresses.len() <= 2);
+            match sweep.waves[index].passive_stresses.len() {
+                0 => sweep.sweep_wide_pair::<V, 0, W>(lines, index),
+                1 => sweep.sweep_wide_pair::<V, 1, W>(lines, index),
+                _ => sweep.sweep_wide_pair::<V, 2, W>(lines, index),
+            }
+        }
+    }
+}
+
+impl<T: Real> SweepLines<'_, T> {
+    /// Sweeps all lines, which are of one lane pattern.
+    pub(super) fn sweep_wide_path(mut self, order: WideOrder, instructions: InstructionSet) {
+        debug_assert!(self.table.has_single_pattern());
+        match order {
+            WideOrder::Sixth => instructions.run_kernel(WideKernel::<T, 6>(&mut self)),
+            WideOrder::Eighth => instructions.run_kernel(WideKernel::<T, 8>(&mut self)),
+        }
+    }
+
+    /// Sweeps a pair of waves along all lines. The next group to be loaded is half a stencil above the group that is
+    /// updated; the groups between them are not yet updated, and the invariants of those below it are carried.
+    #[inline(always)]
+    fn sweep_wide_pair<V: Vector<T>, const PASSIVE: usize, const W: usize>(
+        &mut self,
+        lines: usize,
+        index: usize,
+    ) {
+        let (half, wave, path) = (W / 2, &self.waves[index], self.path);
+        let offsets = self.field_offsets::<PASSIVE>(index, PASSIVE);
+        let cell: CellConstants<V> = CellConstants::load(self.table.constants(0, wave));
+        let weights: [V; W] = face_weights(cell.half_courant + cell.half_courant);
+        let ratios: [V; PASSIVE] = self.load_ratios(0, wave);
+        let distances = [self.prefetch_l1_distance, self.pitch];
+        for line in 0..lines {
+            let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
+            let slot = (line * self.waves.len() + index) * (half - 1);
+            // Invariants of the groups around the face, the last one still missing.
+            let mut groups = [RiemannInvariants::<V>::ZERO; W];
+            let mut lower_face = InterfaceState::riemann_equal_impedance([V::ZERO; 2]);
+            // A line starts with its lowest face, which has ghosts below it and updates no cell.
+            let loaded = if self.is_line_start { W - 1 } else { half };
+            if !self.is_line_start {
+                for depth in 0..half - 1 {
+                    let carried = CarriedState::<V>::load(&self.carried[slot + depth]);
+                    groups[depth] = carried.carried_invariants;
+                    if depth == 0 {
+                        lower_face = carried.lower_face;
+                    }
+                }
+            }
+            for place in 0..loaded {
+                let state: State<V> = self.load_state(&offsets, path[place].start + offset.start);
+                groups[W - 1 - loaded + place] = RiemannInvariants::from_state(state, &cell);
+            }
+            for place in loaded..path.len() {
+                let next: State<V> = load_next::<T, V, PASSIVE>(
+                    self.field_data,
+                    &offsets,
+                    distances,
+                    path[place].start + offset.start,
+                );
+                groups[W - 1] = RiemannInvariants::from_state(next, &cell);
+                let upper_face = interface_state(&groups, &weights);
+                let group = &mut self.field_data[path[place - half].start + offset.start..]
+                    [..offsets.extent];
+                let before = State {
+                    velocity: V::load(&group[offsets.velocity]),
+                    stress: V::load(&group[offsets.stress]),
+                };
+                let moved = update_cell(before, [lower_face, upper_face], &cell);
+                moved.velocity.store(&mut group[offsets.velocity]);
+                moved.stress.store(&mut group[offsets.stress]);
+                let change = moved.stress - before.stress;
+                for passive in 0..PASSIVE {
+                    let field = offsets.passive_stresses[passive];
+                    prefetch(group, self.prefetch_l1_distance + field, true);
+                    (V::load(&group[field]) + ratios[passive] * change).store(&mut group[field]);
+                }
+                lower_face = upper_face;
+                for depth in 1..W {
+                    groups[depth - 1] = groups[depth];
+                }
+            }
+            if let Some(rows) = &self.rows {
+                rows.clear_padding(self.field_data, offsets.velocity, line);
+                rows.clear_padding(self.field_data, offsets.stress, line);
+                for field in offsets.passive_stresses {
+                    rows.clear_padding(self.field_data, field, line);
+                }
+            } else {
+                for depth in 0..half - 1 {
+                    let carried_invariants = groups[depth];
+                    CarriedState { carried_invariants, lower_face }
+                        .store(&mut self.carried[slot + depth]);
+                }
+            }
+        }
+    }
+}
