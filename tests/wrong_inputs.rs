@@ -265,6 +265,13 @@ const WRONG_INPUTS: [(&str, &[&str]); 91] = [
         ],
     ),
     (
+        "run cracks --set scheme.order=eighth-order",
+        &[
+            "scheme.order: found 'eighth-order'; ",
+            "expected 'fourth-order' or 'eno2' or 'godunov': grids of blocks allow no other",
+        ],
+    ),
+    (
         "run point-source --set grid.cells=[10,10,10]",
         &["grid.cells: found 3 entries", "expected 2 entries"],
     ),

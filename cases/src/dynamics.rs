@@ -52,6 +52,8 @@ pub use time::{
 };
 pub use time_function::{Samples, TimeFunction};
 
+use time::MIN_CELLS_OF_HIGH_ORDER;
+
 use crate::error::CaseError;
 use crate::key_positions::KeyPositions;
 use crate::kind::ModelKind;
@@ -251,8 +253,16 @@ impl SolidRun {
             true => Some("joints between blocks"),
             false => grid.is_polar().then_some("polar grids"),
         };
+        let is_narrow = grid.cells.iter().any(|cells| *cells < MIN_CELLS_OF_HIGH_ORDER);
+        let narrow_cause = match grid.is_polar() {
+            true => Some("polar grids"),
+            false if blocks.is_some() => Some("grids of blocks"),
+            false if !regions.is_empty() => Some("regions of other solids"),
+            false => is_narrow.then_some("grids of fewer than 4 cells along an axis"),
+        };
+        let causes = (yields, two_cyclic_cause, has_contacts, narrow_cause);
         Ok(Self {
-            scheme: SchemeOptions::read(root, &time, (yields, two_cyclic_cause, has_contacts))?,
+            scheme: SchemeOptions::read(root, &time, causes)?,
             time,
             blocks,
             regions,

@@ -18,7 +18,7 @@ use crate::case::{Case, CaseError, Material};
 use crate::setup::plane_wave::{DashpotStep, create_solver_medium, has_parallel_dashpots};
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
-use dynamics::line::Slopes;
+use dynamics::line::{Slopes, WideOrder};
 use dynamics::medium::Medium;
 use dynamics::problem::{
     DomainError, Grid, MediumFunction, PlasticStep, Problem, SHEAR_INTERVALS, Scheme, Splitting,
@@ -186,6 +186,8 @@ pub(crate) fn convert_scheme(chosen: case::SchemeOptions) -> Scheme {
     Scheme {
         slopes: match chosen.reconstruction {
             case::ReconstructionScheme::FourthOrder => Slopes::FourthOrder,
+            case::ReconstructionScheme::SixthOrder => Slopes::Wide(WideOrder::Sixth),
+            case::ReconstructionScheme::EighthOrder => Slopes::Wide(WideOrder::Eighth),
             case::ReconstructionScheme::Eno2 => Slopes::Limited,
             case::ReconstructionScheme::Godunov => Slopes::Godunov,
         },

@@ -38,7 +38,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
     let table: &[(&str, &str, &str)] = &[
         // sections and keys
         ("[grid]", "[grdi]", "19: grdi: unknown key or section; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [[block]], [[joint]], [time], [scheme], [[region]], [[boundary]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output], [parallel]"),
-        ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key or section; did you mean 'receiver'? allowed here: "),
+        ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key or section; did you mean 'receiver'?"),
         ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (cell size)"),
         ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin, inner_radius"),
         ("courant = 0.9", "courant = 1.5", "25: time.courant: found 1.5; expected a number above 0 and at most 1 (Courant number): a sweep is unstable above 1"),
@@ -47,8 +47,8 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("duration = 0.25", "duration = 0", "24: time.duration: found 0; expected a positive number in s"),
         ("duration = 0.25\n", "", "23: time.duration: missing; add duration to [time]: expected a positive number in s"),
         ("[time]\nduration = 0.25\ncourant = 0.9\n", "", ": time: missing; add a section [time] with duration in s"),
-        ("'godunov'", "'godunow'", "27: scheme.order: found 'godunow'; did you mean 'godunov'? allowed: fourth-order, eno2, godunov"),
-        ("'godunov'", "2", "27: scheme.order: found 2; expected one of fourth-order, eno2, godunov"),
+        ("'godunov'", "'godunow'", "27: scheme.order: found 'godunow'; did you mean 'godunov'? allowed: fourth-order, sixth-order, eighth-order, eno2, godunov"),
+        ("'godunov'", "2", "27: scheme.order: found 2; expected one of fourth-order, sixth-order, eighth-order, eno2, godunov"),
         // grid
         ("cells = [20, 10]", "cells = [20, 10, 5, 3]", "20: grid.cells: found [20, 10, 5, 3]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
         ("cells = [20, 10]", "cells = [20, 0]", "20: grid.cells: found [20, 0]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),

@@ -58,7 +58,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"fourth-order\"",
-            "spatial reconstruction of characteristic waves: fourth-order and godunov are linear, eno2 is limited, for discontinuities; default: eno2 if any medium yields or has contacts, otherwise fourth-order",
+            "spatial reconstruction of characteristic waves: eno2 is limited, for discontinuities, the others are linear; sixth-order and eighth-order need fewer cells per wavelength at a small Courant number, and one solid on a uniform grid; default: eno2 if any medium yields or has contacts, otherwise fourth-order",
         ),
         KeySchema::new_with_default(
             "correction",
@@ -142,6 +142,10 @@ named_enum! {
     ReconstructionScheme {
         /// Fourth-order linear reconstruction, for smooth waves.
         FourthOrder = "fourth-order",
+        /// Sixth-order linear reconstruction, for smooth waves in one solid.
+        SixthOrder = "sixth-order",
+        /// Eighth-order linear reconstruction, for smooth waves in one solid.
+        EighthOrder = "eighth-order",
         /// Second-order reconstruction with a TVD limiter, for fronts.
         Eno2 = "eno2",
         /// First-order reconstruction: Godunov's scheme.
@@ -193,6 +197,10 @@ named_enum! {
 /// simulation takes 11 % more steps than at 1.
 pub const DEFAULT_COURANT_NUMBER: f64 = 0.9;
 
+/// Least number of cells along each axis for reconstructions of more than four cells: those that the images beyond a
+/// boundary need.
+pub(super) const MIN_CELLS_OF_HIGH_ORDER: usize = 4;
+
 impl SolidTime {
     /// Reads the section `[time]`.
     pub(super) fn read(root: &SectionReader) -> Result<Self, CaseError> {
@@ -225,7 +233,7 @@ impl SolidTime {
 impl SchemeOptions {
     /// Reads the section `[scheme]` beside the section `[time]`; `yields` states whether at least one medium yields,
     /// `two_cyclic_cause` what requires two-cyclic sweeps beside the other two, `has_contacts` whether any medium is granular
-    /// or porous.
+    /// or porous, `narrow_cause` what excludes reconstructions of more than four cells.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
     /// since plastic fronts are discontinuous, or has contacts. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
@@ -233,7 +241,12 @@ impl SchemeOptions {
     pub(super) fn read(
         root: &SectionReader,
         time: &SolidTime,
-        (yields, two_cyclic_cause, has_contacts): (bool, Option<&str>, bool),
+        (yields, two_cyclic_cause, has_contacts, narrow_cause): (
+            bool,
+            Option<&str>,
+            bool,
+            Option<&str>,
+        ),
     ) -> Result<Self, CaseError> {
         let can_alternate = two_cyclic_cause.is_none()
             && !has_contacts
@@ -242,9 +255,14 @@ impl SchemeOptions {
             true => ReconstructionScheme::Eno2,
             false => ReconstructionScheme::FourthOrder,
         };
-        let orders = match has_contacts {
-            true => &[ReconstructionScheme::Eno2, ReconstructionScheme::Godunov],
-            false => ReconstructionScheme::ALL,
+        let orders: &[ReconstructionScheme] = match (has_contacts, narrow_cause) {
+            (true, _) => &[ReconstructionScheme::Eno2, ReconstructionScheme::Godunov],
+            (false, Some(_)) => &[
+                ReconstructionScheme::FourthOrder,
+                ReconstructionScheme::Eno2,
+                ReconstructionScheme::Godunov,
+            ],
+            (false, None) => ReconstructionScheme::ALL,
         };
         let corrections = match has_contacts {
             true => &[ReturnMappingOrder::FirstOrder],
@@ -278,7 +296,7 @@ impl SchemeOptions {
             "order",
             [ReconstructionScheme::ALL, orders],
             ReconstructionScheme::name,
-            cause,
+            if has_contacts { cause } else { narrow_cause.unwrap_or(cause) },
         )?;
         let correction = section
             .read_optional_choice("correction", corrections, ReturnMappingOrder::name)?
