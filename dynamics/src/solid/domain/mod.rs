@@ -39,8 +39,8 @@
 //!
 //! If a domain has neighbouring subdomains along an axis other than the last one, its halo there is exchanged before a
 //! pass: see `halo`. If it has neighbours, or is periodic, along the last axis, it has a halo of
-//! [`HALO`](crate::solid::line::HALO) layers for each step of a pass, which it recomputes redundantly. For each block
-//! of rows a subdomain applies the first x and y sweeps to its outermost layers, then sends these layers; the lower
+//! [`Slopes::halo`](crate::solid::line::Slopes::halo) layers for each step of a pass, which it recomputes redundantly.
+//! For each block of rows a subdomain applies the first x and y sweeps to its outermost layers, then sends these layers; the lower
 //! halo is received before the first layer is loaded, the upper halo before the first tile that includes it. After a
 //! pass the values in the halo are arbitrary.
 
