@@ -51,7 +51,7 @@ const FILES: [(&str, &str); 13] = [
 ];
 
 /// Arguments, and parts of the message: place or argument, what was found, what is allowed.
-const WRONG_INPUTS: [(&str, &[&str]); 91] = [
+const WRONG_INPUTS: [(&str, &[&str]); 92] = [
     // Files.
     ("point syntax.toml", &["syntax.toml:2: ", "'kind ='", "write 'key = value'"]),
     ("point twice.toml", &["twice.toml:3: ", "duplicate key", "give each key once"]),

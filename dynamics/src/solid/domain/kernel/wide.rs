@@ -63,12 +63,10 @@ impl<T: Real> SweepLines<'_, T> {
             // A line starts with its lowest face, which has ghosts below it and updates no cell.
             let loaded = if self.is_line_start { W - 1 } else { half };
             if !self.is_line_start {
-                for depth in 0..half - 1 {
-                    let carried = CarriedState::<V>::load(&self.carried[slot + depth]);
-                    groups[depth] = carried.carried_invariants;
-                    if depth == 0 {
-                        lower_face = carried.lower_face;
-                    }
+                let carried = self.carried[slot..][..half - 1].iter();
+                for (own, state) in groups.iter_mut().zip(carried.map(CarriedState::<V>::load)) {
+                    *own = state.carried_invariants;
+                    lower_face = state.lower_face;
                 }
             }
             for place in 0..loaded {
@@ -94,15 +92,12 @@ impl<T: Real> SweepLines<'_, T> {
                 moved.velocity.store(&mut group[offsets.velocity]);
                 moved.stress.store(&mut group[offsets.stress]);
                 let change = moved.stress - before.stress;
-                for passive in 0..PASSIVE {
-                    let field = offsets.passive_stresses[passive];
+                for (field, ratio) in offsets.passive_stresses.into_iter().zip(ratios) {
                     prefetch(group, self.prefetch_l1_distance + field, true);
-                    (V::load(&group[field]) + ratios[passive] * change).store(&mut group[field]);
+                    (V::load(&group[field]) + ratio * change).store(&mut group[field]);
                 }
                 lower_face = upper_face;
-                for depth in 1..W {
-                    groups[depth - 1] = groups[depth];
-                }
+                groups.copy_within(1.., 0);
             }
             if let Some(rows) = &self.rows {
                 rows.clear_padding(self.field_data, offsets.velocity, line);
@@ -111,10 +106,9 @@ impl<T: Real> SweepLines<'_, T> {
                     rows.clear_padding(self.field_data, field, line);
                 }
             } else {
-                for depth in 0..half - 1 {
-                    let carried_invariants = groups[depth];
-                    CarriedState { carried_invariants, lower_face }
-                        .store(&mut self.carried[slot + depth]);
+                let carried = self.carried[slot..][..half - 1].iter_mut();
+                for (carried_invariants, target) in groups.into_iter().zip(carried) {
+                    CarriedState { carried_invariants, lower_face }.store(target);
                 }
             }
         }
