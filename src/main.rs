@@ -129,8 +129,8 @@ enum Verb {
         #[arg(long = "blocks", value_name = "N,…", value_delimiter = ',', default_value = "25,50,100,200,400",
             value_parser = parse_block_count)]
         block_counts: Vec<u16>,
-        /// Numbers of ranks, on threads of this process
-        #[arg(long = "ranks", value_name = "N,…", value_delimiter = ',', default_value = "1",
+        /// Numbers of ranks on threads of this process, 1 unless given; a launcher gives its own
+        #[arg(long = "ranks", value_name = "N,…", value_delimiter = ',',
             value_parser = parse_thread_count)]
         rank_counts: Vec<u16>,
         /// Number of steps of a round
@@ -456,13 +456,24 @@ fn end_ranks(
 
 fn execute_verb(verb: Verb) -> Result<(), CommandError> {
     let mut stdout = std::io::stdout().lock();
-    if !matches!(verb, Verb::Run { .. } | Verb::Resume { .. }) {
+    let works_on_ranks = match &verb {
+        Verb::Run { .. } | Verb::Resume { .. } | Verb::Map { .. } | Verb::Time { .. } => true,
+        Verb::Check { arguments, .. } => arguments.case_path.is_dir(),
+        _ => false,
+    };
+    if !works_on_ranks {
         ranks::require_single_process()?;
     }
     match verb {
         Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {
             let map_options = MapOptions { computes_bound, computes_growth_rate, is_model_blind };
-            cli::run_map(&arguments.into(), map_options, &mut stdout)?;
+            let options = arguments.into();
+            match ranks::start_ranks()? {
+                None => cli::run_map(&options, map_options, &mut stdout)?,
+                Some(communicator) => end_ranks(&communicator, |ranks| {
+                    ranks::run_map_on_ranks(&options, map_options, ranks, &mut stdout)
+                })?,
+            }
         }
         Verb::Point { arguments } => cli::run_point(&arguments.into(), &mut stdout)?,
         Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
@@ -505,7 +516,13 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
                 rank_counts: rank_counts.into_iter().map(usize::from).collect(),
                 steps: steps.into(),
             };
-            cli::run_time(&arguments.into(), &settings, &mut stdout)?;
+            let options = arguments.into();
+            match ranks::start_ranks()? {
+                None => cli::run_time(&options, &settings, &mut stdout)?,
+                Some(communicator) => end_ranks(&communicator, |ranks| {
+                    ranks::run_time_on_ranks(&options, &settings, ranks, &mut stdout)
+                })?,
+            }
         }
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };
@@ -519,7 +536,14 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         }
         Verb::Check { arguments, only_disagreeing } => {
             let options = Options { only_disagreeing, ..arguments.into() };
-            cli::run_check(&options, &mut stdout)?;
+            let communicator =
+                if options.case_path.is_dir() { ranks::start_ranks()? } else { None };
+            match communicator {
+                None => cli::run_check(&options, &mut stdout)?,
+                Some(communicator) => end_ranks(&communicator, |ranks| {
+                    ranks::check_folder_on_ranks(&options, ranks, &mut stdout)
+                })?,
+            }
         }
         Verb::Compare { first, second, output_folder, format, force, is_dry_run, pictures } => {
             let options = cli::CompareOptions {

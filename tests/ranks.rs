@@ -243,6 +243,82 @@ fn wrong_set_ups_end_with_one_message() {
     }
 }
 
+#[test]
+fn maps_on_ranks_are_those_of_one_process() {
+    let folder = create_case_folder(TEST_FOLDER, "map", "");
+    // More ranks than chunks of points, or fewer.
+    for (points, ranks) in [(31, 3), (4, 4)] {
+        let setting = format!("--set map.x.points={points} --set map.y.points=9");
+        let arguments =
+            format!("map noncoaxiality-bound {setting} --growth-rate --pictures none --force");
+        let (expected_output, _) =
+            run_with_exit_code(0, &folder, &format!("{arguments} --out one --threads 2"));
+        let expected = read_result_files(&folder.join("one"));
+        for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
+            let arguments = format!("{arguments} --out out{index}");
+            let (stdout, errors) = launcher.run_with_exit_code(0, &folder, ranks, &arguments);
+            assert!(errors.is_empty(), "{errors:?}");
+            assert_eq!(stdout.replace(&format!("out{index}"), "one"), expected_output);
+            assert!(read_result_files(&folder.join(format!("out{index}"))) == expected);
+        }
+    }
+    for launcher in Launcher::find_all() {
+        let arguments = "map noncoaxiality-bound --set background.density=-1 --set map.x.points=9";
+        let (_, expected) = run_with_exit_code(2, &folder, arguments);
+        let (_, errors) = launcher.run_with_exit_code(2, &folder, 3, arguments);
+        assert_eq!(errors, [expected.trim_end()]);
+        let (plan, _) =
+            launcher.run_with_exit_code(0, &folder, 2, "map noncoaxiality-bound --dry-run");
+        assert_eq!(plan.matches("would assess").count(), 1, "{plan}");
+    }
+}
+
+#[test]
+fn folders_are_checked_on_ranks_as_by_one_process() {
+    let folder = create_case_folder(TEST_FOLDER, "check", "");
+    let cases = folder.join("cases");
+    fs::create_dir_all(&cases).unwrap();
+    let (heat, _) = run_with_exit_code(0, &folder, "cases show heat");
+    for (name, text) in [("a", heat.as_str()), ("b", "[model]\n"), ("c", &heat), ("d", &heat)] {
+        fs::write(cases.join(format!("{name}.toml")), text).unwrap();
+    }
+    for format in ["text", "json"] {
+        let arguments = format!("check cases --format {format}");
+        let (expected, _) = run_with_exit_code(2, &folder, &arguments);
+        for launcher in Launcher::find_all() {
+            let (stdout, errors) = launcher.run_with_exit_code(2, &folder, 3, &arguments);
+            assert_eq!(stdout, expected);
+            let found = errors.iter().filter(|line| line.contains("1 of 4 cases cannot be read"));
+            assert!(format == "json" || found.count() == 1, "{errors:?}");
+        }
+    }
+    for launcher in Launcher::find_all() {
+        let (_, errors) =
+            launcher.run_with_exit_code(2, &folder, 2, "check cases --set model.no=1");
+        assert!(errors.len() == 1 && errors[0].contains("model.no"), "{errors:?}");
+    }
+}
+
+/// Verifies that the numbers of ranks of launchers are added to the table of times of one process.
+#[test]
+fn ranks_are_timed_beside_the_earlier_table() {
+    let text = JOINT_CASE;
+    for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, &format!("time{index}"), text);
+        let arguments = "time case.toml --blocks 4,8 --steps 2 --pictures none";
+        run_with_exit_code(0, &folder, arguments);
+        let (text, _) = launcher.run_with_exit_code(0, &folder, 2, arguments);
+        assert!(text.contains("ranks 2: processes of a launcher, t_cell "), "{text}");
+        let table = fs::read_to_string(folder.join("out/case/time.csv")).unwrap();
+        let rows: Vec<Vec<&str>> =
+            table.lines().skip(1).map(|line| line.split(',').take(3).collect()).collect();
+        assert_eq!(rows, [["1", "0", "4"], ["1", "0", "8"], ["2", "1", "4"], ["2", "1", "8"]]);
+        let arguments = format!("{arguments} --ranks 2");
+        let (_, errors) = launcher.run_with_exit_code(2, &folder, 2, &arguments);
+        assert!(errors.len() == 1 && errors[0].contains("leave --ranks out"), "{errors:?}");
+    }
+}
+
 /// Verifies that ranks have the parts that `split` plans, with and without given numbers of parts.
 #[test]
 fn ranks_have_the_planned_parts() {

@@ -117,7 +117,10 @@ fn blocks_are_timed_beside_the_model() {
     let folder = create_case_folder(TEST_FOLDER, "time", &blocks("[2, 2]", 5));
     let arguments = "time case.toml --blocks 8,4 --ranks 1,2 --steps 2";
     let (text, _) = run_with_exit_code(0, &folder, arguments);
-    for part in ["ranks 2: latency ", "ranks 1: a wave crosses the medium in a time T ∝ N^"] {
+    for part in [
+        "ranks 2: threads of one process, t_cell ",
+        "ranks 1: a wave crosses the medium in a time T ∝ N^",
+    ] {
         assert!(text.contains(part), "{text}");
     }
     let (json, _) = run_with_exit_code(0, &folder, &format!("{arguments} --format json"));

@@ -11,6 +11,7 @@ use super::write::{
 use crate::case::{Case, CaseError};
 use crate::cli::folder::{self, OutputError};
 use crate::cli::options::create_thread_pool;
+use crate::cli::ranks::RankError;
 use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::SCHEMA_VERSION;
 use crate::report::check::{format_scientific, format_unmeasured_count};
@@ -18,6 +19,7 @@ use crate::report::format::format_count;
 use crate::setup::check::CheckPlan;
 use crate::study;
 use crate::study::check::{CheckExtent, CheckOutcome, CheckResult};
+use dynamics::decomposition::communicator::{Communicator, SingleProcess};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -34,11 +36,15 @@ const FOLDER_ESTIMATE_TIME: Duration = Duration::from_secs(3);
 /// be started, results cannot be written, or measurement and prediction disagree. A case that no solver supports is no
 /// error. The cases of a folder that cannot be read are counted after the check of the others.
 pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
-    let pool = create_thread_pool(options.thread_count)?;
-    match options.case_path.is_dir() {
-        true => check_folder(options, &pool, stdout),
-        false => check_case(options, &pool, stdout),
+    if options.case_path.is_dir() {
+        let files = list_case_files(&options.case_path)?;
+        if options.is_dry_run {
+            return plan_folder_check(options, &files, stdout);
+        }
+        let pool = create_thread_pool(options.thread_count)?;
+        return check_files(options, &files, &pool, &SingleProcess, stdout);
     }
+    check_case(options, &create_thread_pool(options.thread_count)?, stdout)
 }
 
 fn check_case(
@@ -121,59 +127,96 @@ fn fail_on_disagreement(
     }
 }
 
-/// Checks all cases in a folder and its subfolders with [`CheckExtent::Short`]; writes no files.
-fn check_folder(
+/// Returns the case files in a folder and its subfolders, sorted.
+///
+/// # Errors
+/// A folder cannot be read, or there is no case file.
+pub(super) fn list_case_files(folder: &Path) -> Result<Vec<PathBuf>, CommandError> {
+    let mut files = Vec::new();
+    collect_case_files(folder, &mut files)?;
+    files.sort();
+    match files.is_empty() {
+        true => Err(CommandError::NoCaseFiles { folder: folder.display().to_string() }),
+        false => Ok(files),
+    }
+}
+
+/// Prints the plan of the check of case files.
+pub(super) fn plan_folder_check(
     options: &Options,
-    pool: &ThreadPool,
+    files: &[PathBuf],
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    let mut files = Vec::new();
-    collect_case_files(&options.case_path, &mut files)?;
-    files.sort();
-    if files.is_empty() {
-        return Err(CommandError::NoCaseFiles { folder: options.case_path.display().to_string() });
-    }
-    if options.is_dry_run {
-        let plan = format!("check {} and write nothing", format_count(files.len(), "case"));
-        let estimate = CostEstimate::from_seconds(estimate_folder(options, pool, &files)?);
-        return print_plan(&plan, &[], estimate, options.format, stdout);
+    let pool = create_thread_pool(options.thread_count)?;
+    let plan = format!("check {} and write nothing", format_count(files.len(), "case"));
+    let estimate = CostEstimate::from_seconds(estimate_folder(options, &pool, files)?);
+    print_plan(&plan, &[], estimate, options.format, stdout)
+}
+
+/// Checks case files with [`CheckExtent::Short`], of which each rank checks some; writes no files. All ranks call it with
+/// the same files; the root prints the results in the order of the files.
+pub(super) fn check_files(
+    options: &Options,
+    files: &[PathBuf],
+    pool: &ThreadPool,
+    communicator: &dyn Communicator,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let (rank, ranks) = (communicator.rank(), communicator.size());
+    if !communicator.is_root() {
+        for path in files.iter().skip(rank).step_by(ranks) {
+            let own = check_file(options, path, |case| {
+                pool.install(|| {
+                    study::check_agreement(case, CheckExtent::Short, &study::ignore_progress)
+                })
+            });
+            communicator.send_any_length(0, encode_summary(own));
+        }
+        return Ok(());
     }
     let progress = DelayedProgressBar::new("check", 1);
     let mut summaries = Vec::new();
-    let mut unreadable_count = 0;
+    let mut failure = None;
     for (index, path) in files.iter().enumerate() {
-        let name = path.display().to_string();
         let place = [index as u64, files.len() as u64];
-        let summary = match Case::load(path, &options.settings) {
-            // An error in a setting concerns all cases.
-            Err(error) if error.is_in_setting() => return Err(error.into()),
+        let found = match index % ranks {
+            0 if failure.is_some() => continue,
+            0 => check_file(options, path, |case| {
+                run_in_series_with_progress(pool, &progress, place, |on_progress| {
+                    study::check_agreement(case, CheckExtent::Short, on_progress)
+                })
+            }),
+            other => decode_summary(other, &communicator.receive_any_length(other)),
+        };
+        let summary = match found {
+            Ok(summary) if failure.is_none() => summary,
+            // The messages of other ranks are received all the same.
+            Ok(_) => continue,
+            Err(error) if ranks == 1 => return Err(error),
             Err(error) => {
-                unreadable_count += 1;
-                CaseCheckSummary::from_error("CANNOT BE READ", &name, &error)
-            }
-            Ok(case) => {
-                progress.hide_during(|| print_hints(&case));
-                let found = run_in_series_with_progress(pool, &progress, place, |on_progress| {
-                    study::check_agreement(&case, CheckExtent::Short, on_progress)
-                });
-                match found {
-                    Ok(found) => CaseCheckSummary::from_result(&name, &found),
-                    Err(crate::Error::Case(error)) => {
-                        CaseCheckSummary::from_error("FAILS", &name, &error)
-                    }
-                    Err(error) => return Err(error.into()),
-                }
+                failure.get_or_insert(error);
+                continue;
             }
         };
-        let text = format!("{name:<56} {}", summary.text);
+        let text = format!("{:<56} {}", path.display().to_string(), summary.text);
+        progress.hide_during(|| {
+            for hint in &summary.hints {
+                // A closed standard error is ignored.
+                let _ = writeln!(std::io::stderr(), "warning: {hint}");
+            }
+        });
         if options.format == OutputFormat::Text && !options.only_disagreeing {
             progress.hide_during(|| writeln!(stdout, "{text}").and_then(|()| stdout.flush()))?;
         }
         summaries.push(CaseCheckSummary { text, ..summary });
     }
+    if let Some(error) = failure {
+        return Err(error);
+    }
     drop(progress);
     let all = summaries.iter().filter(|own| own.is_in_agreement.is_some()).count();
     let failed = summaries.iter().filter(|own| own.is_in_agreement == Some(false)).count();
+    let unreadable_count = summaries.iter().filter(|own| own.is_unreadable).count();
     if options.format == OutputFormat::Json {
         let list: Vec<Value> = summaries.into_iter().map(|own| own.json).collect();
         let report = json!({ "schema": SCHEMA_VERSION, "agrees": failed == 0, "cases": list });
@@ -190,6 +233,77 @@ fn check_folder(
         return Err(CommandError::UnreadableCases { unreadable_count, total_count });
     }
     fail_on_disagreement(failed, all, "cases")
+}
+
+/// Checks one case of a folder by `check`. A case that cannot be read or checked is no error.
+///
+/// # Errors
+/// A fault that concerns all cases, such as one in a setting.
+fn check_file(
+    options: &Options,
+    path: &Path,
+    check: impl FnOnce(&Case) -> Result<CheckResult, crate::Error>,
+) -> Result<CaseCheckSummary, CommandError> {
+    let name = path.display().to_string();
+    let case = match Case::load(path, &options.settings) {
+        Ok(case) => case,
+        Err(error) if error.is_in_setting() => return Err(error.into()),
+        Err(error) => {
+            let summary = CaseCheckSummary::from_error("CANNOT BE READ", &name, &error);
+            return Ok(CaseCheckSummary { is_unreadable: true, ..summary });
+        }
+    };
+    let summary = match check(&case) {
+        Ok(found) => CaseCheckSummary::from_result(&name, &found),
+        Err(crate::Error::Case(error)) => CaseCheckSummary::from_error("FAILS", &name, &error),
+        Err(error) => return Err(error.into()),
+    };
+    Ok(CaseCheckSummary {
+        hints: case.hints().iter().map(ToString::to_string).collect(),
+        ..summary
+    })
+}
+
+/// Key of the largest error in the JSON of a case.
+const GREATEST_DIFFERENCE: &str = "greatest_difference";
+
+/// Encodes the summary of a case, or the error of its check, for the root.
+fn encode_summary(found: Result<CaseCheckSummary, CommandError>) -> Vec<u8> {
+    let message = match found {
+        Ok(own) => json!({
+            "text": own.text,
+            "json": own.json,
+            "agrees": own.is_in_agreement,
+            // JSON does not keep all bits of a number.
+            "error": own.error.to_bits(),
+            "hints": own.hints,
+            "is_unreadable": own.is_unreadable,
+        }),
+        Err(error) => json!({ "failure": error.to_string() }),
+    };
+    message.to_string().into_bytes()
+}
+
+/// Decodes a message of [`encode_summary`] from a rank.
+fn decode_summary(rank: usize, message: &[u8]) -> Result<CaseCheckSummary, CommandError> {
+    let mut message: Value = serde_json::from_slice(message).unwrap_or_default();
+    if let Some(cause) = message["failure"].as_str() {
+        return Err(RankError::OtherRank { rank, cause: cause.to_owned() }.into());
+    }
+    let error = f64::from_bits(message["error"].as_u64().unwrap_or_default());
+    let mut json = message["json"].take();
+    if json[GREATEST_DIFFERENCE].is_number() {
+        json[GREATEST_DIFFERENCE] = json!(error);
+    }
+    let hints = message["hints"].as_array().into_iter().flatten();
+    Ok(CaseCheckSummary {
+        text: message["text"].as_str().unwrap_or_default().to_owned(),
+        json,
+        is_in_agreement: message["agrees"].as_bool(),
+        error,
+        hints: hints.filter_map(|hint| Some(hint.as_str()?.to_owned())).collect(),
+        is_unreadable: message["is_unreadable"] == true,
+    })
 }
 
 /// Estimates the wall time of the check of a folder, s, as the sum over its cases.
@@ -224,6 +338,9 @@ struct CaseCheckSummary {
     is_in_agreement: Option<bool>,
     /// Largest relative error; infinite for an invalid case.
     error: f64,
+    /// Hints on former names in the case.
+    hints: Vec<String>,
+    is_unreadable: bool,
 }
 
 impl CaseCheckSummary {
@@ -234,6 +351,8 @@ impl CaseCheckSummary {
             json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
             is_in_agreement: Some(false),
             error: f64::INFINITY,
+            hints: Vec::new(),
+            is_unreadable: false,
         }
     }
 
@@ -241,7 +360,14 @@ impl CaseCheckSummary {
         if let CheckOutcome::NotMeasurable { reason } = &found.outcome {
             let text = format!("not measurable: {reason}");
             let json = json!({ "case": name, "not_measurable": reason });
-            return Self { text, json, is_in_agreement: None, error: 0.0 };
+            return Self {
+                text,
+                json,
+                is_in_agreement: None,
+                error: 0.0,
+                hints: Vec::new(),
+                is_unreadable: false,
+            };
         }
         let ([rows, wrong], greatest) =
             (found.item_and_failure_counts(), found.max_relative_difference());
@@ -269,10 +395,12 @@ impl CaseCheckSummary {
                 "agrees": greatest.map(|_| is_in_agreement),
                 "waves": rows,
                 "waves_not_measurable": found.unmeasured_count(),
-                "greatest_difference": greatest,
+                GREATEST_DIFFERENCE: greatest,
             }),
             is_in_agreement: Some(is_in_agreement),
             error: greatest.unwrap_or(0.0),
+            hints: Vec::new(),
+            is_unreadable: false,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::load::load_case;
 use super::progress::{estimate_time, run_with_progress};
 use super::write::{CostEstimate, list_planned_paths, print_plan, select_folder, write_report};
 use crate::case::{Case, MapAxes};
-use crate::cli::folder;
+use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
 use crate::report::format::format_count;
@@ -23,33 +23,54 @@ pub fn run_map(
     map_options: MapOptions,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
+    let Some((case, folder)) = prepare_map(options, map_options, stdout)? else { return Ok(()) };
+    let pool = create_thread_pool(options.thread_count)?;
+    let found = run_with_progress(&pool, "assessing states", |on_progress| {
+        study::compute_map(&case, map_options, on_progress)
+    })?;
+    write_map(found, (&case, &folder), options, &pool, stdout)
+}
+
+/// Checks the case of a map and its results folder; `None` if that is all, by `--dry-run`.
+pub(super) fn prepare_map(
+    options: &Options,
+    map_options: MapOptions,
+    stdout: &mut dyn Write,
+) -> Result<Option<(Case, ResultFolder)>, CommandError> {
     let case = load_case(options)?;
     case.check_without_contacts()?;
     let map = *case.require_map()?;
     warn_of_varied_settings(&map, options);
     let folder = select_folder(&case, options)?;
-    let states = map.x.point_count * map.y.point_count;
-    if options.is_dry_run {
-        let pool = create_thread_pool(options.thread_count)?;
-        run_with_progress(&pool, "checking states", |on_progress| {
-            study::check_map(&case, on_progress)
-        })?;
-        let seconds = estimate_time(&pool, |on_progress| {
-            study::compute_map(&case, map_options, on_progress)
-        })?;
-        let plan = format!("assess {}: {} × {}", format_count(states, "state"), map.x, map.y);
-        let estimate = CostEstimate::from_seconds(seconds);
-        let paths = list_planned_paths(&folder, &folder::MAP_FILES, &options.pictures);
-        return print_plan(&plan, &paths, estimate, options.format, stdout);
+    if !options.is_dry_run {
+        return Ok(Some((case, folder)));
     }
     let pool = create_thread_pool(options.thread_count)?;
-    let mut found = run_with_progress(&pool, "assessing states", |on_progress| {
-        study::compute_map(&case, map_options, on_progress)
+    run_with_progress(&pool, "checking states", |on_progress| {
+        study::check_map(&case, on_progress)
     })?;
+    let seconds =
+        estimate_time(&pool, |on_progress| study::compute_map(&case, map_options, on_progress))?;
+    let states = map.x.point_count * map.y.point_count;
+    let plan = format!("assess {}: {} × {}", format_count(states, "state"), map.x, map.y);
+    let estimate = CostEstimate::from_seconds(seconds);
+    let paths = list_planned_paths(&folder, &folder::MAP_FILES, &options.pictures);
+    print_plan(&plan, &paths, estimate, options.format, stdout)?;
+    Ok(None)
+}
+
+/// Writes the report of a map, with the curves of the page if it is asked for.
+pub(super) fn write_map(
+    mut found: MapResult,
+    (case, folder): (&Case, &ResultFolder),
+    options: &Options,
+    pool: &ThreadPool,
+    stdout: &mut dyn Write,
+) -> Result<(), CommandError> {
     if options.pictures.has_page {
-        add_samples(&mut found, &case, &pool)?;
+        add_samples(&mut found, case, pool)?;
     }
-    write_report(&found, &case, &folder, options, stdout)
+    write_report(&found, case, folder, options, stdout)
 }
 
 /// Prints a warning for each option `--set` of a number that the map varies.

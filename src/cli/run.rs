@@ -165,10 +165,10 @@ pub(super) fn execute_run(
     let mut recorder = FileRecorder::new(run, checkpoint, lock);
     let pool = create_thread_pool(run.thread_count)
         .and_then(|pool| check_thread_start(pool.current_num_threads()).map(|()| pool));
-    if let Some(communicator) = run.communicator {
-        require_all_ranks(&**communicator, pool.is_ok())?;
-    }
-    let pool = pool?;
+    let pool = match run.communicator {
+        Some(communicator) => require_all_ranks(&**communicator, pool)?,
+        None => pool?,
+    };
     let failed =
         |error| CommandError::from_run_error(error, &run.folder.path().display().to_string());
     let (result, waiting) = match run.communicator.filter(|own| own.size() > 1) {

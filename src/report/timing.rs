@@ -24,16 +24,19 @@ impl Report for TimingResult {
             numbers.dedup();
             numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(",")
         };
-        let (blocks, ranks) = (list(|row| row.blocks), list(|row| row.ranks));
+        let blocks = list(|row| row.blocks);
+        // Processes are started by a launcher.
+        let ranks = match self.rows.iter().any(|row| row.are_processes) {
+            true => String::new(),
+            false => format!(" --ranks {}", list(|row| row.ranks)),
+        };
         let Self { steps, thread_count, .. } = self;
-        format!(
-            "case.toml --blocks {blocks} --ranks {ranks} --steps {steps} --threads {thread_count}"
-        )
+        format!("case.toml --blocks {blocks}{ranks} --steps {steps} --threads {thread_count}")
     }
 
     fn to_text(&self, case: &Case) -> String {
         let mut text = format!(
-            "{}\nfastest of 3 rounds of {} steps; ranks on threads of this process; threads of each rank: {}\n\n",
+            "{}\nfastest of 3 rounds of {} steps; threads of each rank: {}\n\n",
             case_title(case),
             self.steps,
             self.thread_count,
@@ -59,19 +62,23 @@ impl Report for TimingResult {
         }
         let _ = writeln!(
             text,
-            "\nmodel: cells·t_cell + messages·latency + bytes/bandwidth of the rank with the most, t_cell = {} ns",
-            format_short(1e9 * self.cell_time)
+            "\nmodel: cells·t_cell + messages·latency + bytes/bandwidth of the rank with the most"
         );
         for row in self.last_rows() {
-            if let Some([latency, bandwidth]) = row.messages {
-                let _ = writeln!(
-                    text,
-                    "ranks {}: latency {} μs, bandwidth {} GB/s",
-                    row.ranks,
+            let place = match row.are_processes {
+                true => "processes of a launcher",
+                false => "threads of one process",
+            };
+            let constants = row.messages.map_or(String::new(), |[latency, bandwidth]| {
+                format!(
+                    ", latency {} μs, bandwidth {} GB/s",
                     format_short(1e6 * latency),
                     format_short(1e-9 * bandwidth)
-                );
-            }
+                )
+            });
+            let cell_time = format_short(1e9 * row.cell_time);
+            let ranks = row.ranks;
+            let _ = writeln!(text, "ranks {ranks}: {place}, t_cell {cell_time} ns{constants}");
         }
         for (ranks, exponent) in &self.exponents {
             let _ = writeln!(
@@ -95,6 +102,7 @@ impl Report for TimingResult {
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         let header = [
             "ranks",
+            "processes",
             "blocks",
             "cells",
             "step_time",
@@ -106,6 +114,7 @@ impl Report for TimingResult {
         let rows = self.rows.iter().map(|row| {
             [
                 row.ranks as f64,
+                f64::from(u8::from(row.are_processes)),
                 row.blocks as f64,
                 row.cells as f64,
                 row.step_time,

@@ -26,7 +26,10 @@ pub use compare::{ComparisonResult, compare_runs};
 pub use diagram::{DiagramResult, compute_diagram};
 pub use dispersion::{DispersionResult, compute_dispersion};
 pub use homogenise::{HomogeniseResult, homogenise};
-pub use map::{MapOptions, MapResult, check_map, compute_map, sample_map};
+pub use map::{
+    MapOptions, MapResult, check_map, check_map_memory, compute_map, compute_map_on_ranks,
+    sample_map,
+};
 pub use point::{EquationsAnalysis, FlowAnalysis, PointResult, SolidAnalysis, analyse_point};
 pub use shocks::{ShocksResult, compute_shocks};
 pub use simulate::{RunResult, simulate};

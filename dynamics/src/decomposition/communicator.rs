@@ -85,6 +85,14 @@ pub trait Communicator: Debug + Send + Sync {
     fn broadcast(&self, own: Vec<u8>) -> Vec<u8> {
         self.scatter(&mut |_| own.clone())
     }
+
+    /// Returns the messages `own` of all ranks to all ranks, in their order; called by all ranks.
+    fn gather_to_all(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
+        let mut messages = Vec::with_capacity(self.size());
+        self.gather(own, &mut |_, message| messages.push(message));
+        messages.resize(self.size(), Vec::new());
+        messages.into_iter().map(|message| self.broadcast(message)).collect()
+    }
 }
 
 /// A single process: the root, without other ranks.
@@ -271,9 +279,11 @@ mod tests {
                     gathered.push((from, message.len()));
                 });
                 let own = rank.scatter(&mut |to| vec![7; 2 * to]);
-                (gathered, own.len(), rank.broadcast(vec![rank.rank() as u8 + 5]))
+                let sent = rank.broadcast(vec![rank.rank() as u8 + 5]);
+                (gathered, own.len(), sent, rank.gather_to_all(vec![3; rank.rank()]))
             });
-            for (rank, (gathered, own, sent)) in results.into_iter().enumerate() {
+            for (rank, (gathered, own, sent, all)) in results.into_iter().enumerate() {
+                assert!(all.iter().map(Vec::len).eq(0..size));
                 let expected =
                     if rank == 0 { (0..size).map(|own| (own, own)).collect() } else { vec![] };
                 assert_eq!((gathered, own, sent), (expected, 2 * rank, vec![5]));

@@ -4,11 +4,17 @@
 //! folder. Rank 0, the root, prints and writes all other files; the others are silent. They all end with the exit code of
 //! the root.
 
+mod check;
+mod map;
 mod part_writer;
 mod recorder;
+mod time;
 mod waiting;
 
+pub use check::check_folder_on_ranks;
+pub use map::run_map_on_ranks;
 pub(super) use recorder::RankRecorder;
+pub use time::run_time_on_ranks;
 pub(super) use waiting::WaitingClock;
 
 use super::folder::{ResultFolder, UnfinishedRun};
@@ -42,11 +48,17 @@ pub enum RankError {
     /// The verb works in one process only.
     #[error(
         "this verb works in one process, and the launcher has started {}; start it without a launcher, only wellposed \
-         run and resume work in several", count.map_or_else(|| "an unknown number".to_owned(), |own| own.to_string())
+         run, resume, map, time and check of a folder work in several", count.map_or_else(|| "an unknown number".to_owned(), |own| own.to_string())
     )]
     SingleProcessVerb {
         /// Number of processes; `None` if the launcher does not tell it.
         count: Option<usize>,
+    },
+    /// Numbers of ranks are asked for under a launcher.
+    #[error("--ranks: the launcher has started {count} ranks, which are timed; leave --ranks out")]
+    RankOption {
+        /// Number of ranks.
+        count: usize,
     },
     /// The simulation works in one process only.
     #[error("{simulation} runs in one process, and the launcher has started {count}")]
@@ -136,12 +148,16 @@ pub fn run_simulation_on_ranks(
     end_together(communicator, || {
         if !communicator.is_root() {
             let case = Case::load_simulation(&options.case_path, &options.settings);
-            return take_part(communicator, case, options.thread_count);
+            return take_part_in_run(communicator, case, options.thread_count);
         }
-        let prepared = prepare_run(options, communicator.size(), stdout);
-        let case = prepared.as_ref().map(|own| own.as_ref().map(|(case, _)| case));
-        let folder = prepared.as_ref().ok().and_then(Option::as_ref).map(|own| own.1.path());
-        let threads = agree(communicator, case, options.thread_count, (folder, false));
+        let prepared = prepare_run(options, communicator.size(), stdout).and_then(|own| {
+            let case = own.as_ref().map(|(case, _)| case);
+            case.map_or(Ok(()), |case| check_distributable(case, communicator)).map(|()| own)
+        });
+        let own = prepared.as_ref().ok().and_then(Option::as_ref);
+        let content = own.map(|(case, _)| case.to_toml().into_bytes());
+        let folder = own.map(|own| own.1.path());
+        let threads = agree(communicator, content, options.thread_count, (folder, false));
         let Some((case, folder)) = prepared? else { return Ok(()) };
         let options = Options { thread_count: Some(threads?), ..options.clone() };
         execute_prepared_run(
@@ -172,14 +188,15 @@ pub fn resume_on_ranks(
         if !communicator.is_root() {
             let text = communicator.broadcast(Vec::new());
             let case = Case::parse(&String::from_utf8_lossy(&text), &file, &[]);
-            return take_part(communicator, case, thread_count);
+            return take_part_in_run(communicator, case, thread_count);
         }
-        let prepared = prepare_resumed_run(path, communicator.size());
+        let prepared = prepare_resumed_run(path, communicator.size())
+            .and_then(|own| check_distributable(&own.0.case, communicator).map(|()| own));
         let text = prepared.as_ref().map_or_else(|_| String::new(), |own| own.0.case.to_toml());
         communicator.broadcast(text.into_bytes());
-        let case = prepared.as_ref().map(|own| Some(&own.0.case));
+        let content = prepared.as_ref().ok().map(|own| own.0.case.to_toml().into_bytes());
         let is_resumed = prepared.as_ref().is_ok_and(|own| own.1.is_some());
-        let threads = agree(communicator, case, thread_count, (Some(path), is_resumed));
+        let threads = agree(communicator, content, thread_count, (Some(path), is_resumed));
         let (UnfinishedRun { folder, case, run_lock }, checkpoint) = prepared?;
         let run = RunContext {
             case: &case,
@@ -208,18 +225,15 @@ fn end_together(
     }
 }
 
-/// Agrees with the other ranks at the root that the run of a case begins; without a case, that it does not. Returns the
-/// number of threads of each rank.
+/// Agrees with the other ranks at the root that the work on a case, of which `content` is the text, begins; without it,
+/// that it does not. Returns the number of threads of each rank.
 fn agree(
     communicator: &Arc<dyn Communicator>,
-    case: Result<Option<&Case>, &CommandError>,
+    content: Option<Vec<u8>>,
     thread_count: Option<usize>,
     (folder, is_resumed): (Option<&Path>, bool),
 ) -> Result<usize, CommandError> {
-    let own = case.ok().flatten().map(|case| {
-        check_distributable(case, communicator)?;
-        describe_rank(case, thread_count)
-    });
+    let own = content.map(|content| describe_rank(&content, thread_count));
     let mut ranks: Vec<Value> = Vec::new();
     communicator.gather(Vec::new(), &mut |_, message| {
         ranks.push(serde_json::from_slice(&message).unwrap_or_default());
@@ -255,26 +269,40 @@ fn compare_ranks(ranks: &[Value]) -> Result<usize, CommandError> {
     Ok(threads.and_then(|own| usize::try_from(own).ok()).unwrap_or(1))
 }
 
+/// Agreement with the root to begin: number of threads, whether a run is resumed, and the results folder.
+type Beginning = (usize, bool, Option<PathBuf>);
+
+/// Agrees with the root to begin the work on a case, of which `content` is the text or the error; `None` if the root has ended it, or has only checked the case.
+fn await_beginning(
+    communicator: &Arc<dyn Communicator>,
+    content: Result<Vec<u8>, String>,
+    thread_count: Option<usize>,
+) -> Option<Beginning> {
+    let describe =
+        |content: Vec<u8>| describe_rank(&content, thread_count).map_err(|error| error.to_string());
+    let own = content.and_then(describe).unwrap_or_else(|error| json!({ "error": error }));
+    communicator.gather(own.to_string().into_bytes(), &mut |_, _| {});
+    serde_json::from_slice(&communicator.broadcast(Vec::new())).unwrap_or_default()
+}
+
+/// Returns the text of a case with all values, or its error.
+fn describe_case(case: &Result<Case, CaseError>) -> Result<Vec<u8>, String> {
+    case.as_ref().map(|own| own.to_toml().into_bytes()).map_err(ToString::to_string)
+}
+
 /// Agrees with the root and takes part in the simulation of a case.
-fn take_part(
+fn take_part_in_run(
     communicator: &Arc<dyn Communicator>,
     case: Result<Case, CaseError>,
     thread_count: Option<usize>,
 ) -> Result<(), CommandError> {
-    let own = case
-        .as_ref()
-        .map_or_else(|error| Err(error.clone().into()), |case| describe_rank(case, thread_count));
-    let own = own.unwrap_or_else(|error| json!({ "error": error.to_string() }));
-    communicator.gather(own.to_string().into_bytes(), &mut |_, _| {});
-    let begins: Option<(usize, bool, PathBuf)> =
-        serde_json::from_slice(&communicator.broadcast(Vec::new())).unwrap_or_default();
-    // The root has ended the run, or only checked the case.
-    let Some((threads, is_resumed, folder)) = begins else { return Ok(()) };
+    let beginning = await_beginning(communicator, describe_case(&case), thread_count);
+    let Some((threads, is_resumed, folder)) = beginning else { return Ok(()) };
+    let folder = folder.unwrap_or_default();
     signals::install_signal_handlers();
     let _stage = signals::set_stage_until_drop(ProgramStage::TimeStepping);
     let pool = create_thread_pool(Some(threads));
-    require_all_ranks(&**communicator, pool.is_ok())?;
-    let (pool, case) = (pool?, case?);
+    let (pool, case) = (require_all_ranks(&**communicator, pool)?, case?);
     let job = create_job(&case)?;
     let mut recorder = RankRecorder::new(communicator, (&case, folder), None, is_resumed);
     let clock = WaitingClock::start(&**communicator);
@@ -284,27 +312,21 @@ fn take_part(
     Ok(())
 }
 
-/// Waits until all ranks are ready to compute, or one of them is not.
+/// Waits until all ranks are ready to compute, or one of them is not. Returns `own`, what this rank has prepared.
 ///
 /// # Errors
 /// Another rank is not ready; the error of a rank that is not ready itself is its own.
-pub(super) fn require_all_ranks(
+pub(super) fn require_all_ranks<V>(
     communicator: &dyn Communicator,
-    is_ready: bool,
-) -> Result<(), RankError> {
-    let mut failed = Vec::new();
-    communicator.gather(vec![is_ready.into()], &mut |rank, message| {
-        if message != [1] {
-            failed.push(rank as u64);
-        }
-    });
-    let first = failed.first().map(|rank| rank.to_le_bytes().to_vec()).unwrap_or_default();
-    match communicator.broadcast(first).try_into() {
-        Ok(rank) if is_ready => {
-            let rank = u64::from_le_bytes(rank) as usize;
-            Err(RankError::OtherRank { rank, cause: "threads cannot be started".to_owned() })
-        }
-        _ => Ok(()),
+    own: Result<V, CommandError>,
+) -> Result<V, CommandError> {
+    let message = own.as_ref().map_or_else(|error| json!(error.to_string()), |_| Value::Null);
+    let all = communicator.gather_to_all(message.to_string().into_bytes());
+    let cause = |message: &Vec<u8>| serde_json::from_slice::<Option<String>>(message).ok()?;
+    let failed = all.iter().map(cause).enumerate().find_map(|(rank, own)| Some((rank, own?)));
+    match failed {
+        Some((rank, cause)) if own.is_ok() => Err(RankError::OtherRank { rank, cause }.into()),
+        _ => own,
     }
 }
 
@@ -329,13 +351,13 @@ fn check_distributable(
 }
 
 /// Describes what must be the same on all ranks, and the number of threads of this one.
-fn describe_rank(case: &Case, thread_count: Option<usize>) -> Result<Value, CommandError> {
+fn describe_rank(content: &[u8], thread_count: Option<usize>) -> Result<Value, CommandError> {
     let program = std::env::current_exe().and_then(|path| FileDigest::from_file(&path));
     let threads = create_thread_pool(thread_count)?.current_num_threads();
     let program = program.map(|own| own.checksum).unwrap_or_default();
     Ok(json!({
         "program": format!("{VERSION} {program}"),
-        "case": files::checksum(case.to_toml().as_bytes()),
+        "case": files::checksum(content),
         "threads": threads,
     }))
 }

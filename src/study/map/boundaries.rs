@@ -1,11 +1,13 @@
 //! Boundaries between the verdicts of neighbouring points of a map.
 
+use super::distribution::Distribution;
 use super::point_assessor::PointAssessor;
 use super::{MapOptions, MapPoint, POINTS_PER_PROGRESS_REPORT, PointStatus};
 use crate::Error;
 use crate::case::{Case, MapAxes};
 use crate::study::{ProgressCallback, report_progress};
 use analysis::solids::AcousticTensorCache;
+use dynamics::decomposition::communicator::Communicator;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,8 +29,8 @@ pub struct MapBoundaries {
 }
 
 impl MapBoundaries {
-    /// Locates the boundaries by bisection, on the rayon thread pool in which it is called; progress counts the changes
-    /// of the verdict.
+    /// Locates the boundaries by bisection, of which each rank locates a part, on the rayon thread pool in which it is
+    /// called; progress counts the changes of the verdict that this rank locates.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -37,7 +39,7 @@ impl MapBoundaries {
         map: &MapAxes,
         options: MapOptions,
         points: &[MapPoint],
-        progress: ProgressCallback,
+        (communicator, progress): (&dyn Communicator, ProgressCallback),
     ) -> Result<Self, Error> {
         let counts = [map.x.point_count, map.y.point_count];
         let steps = [1, counts[0]];
@@ -57,23 +59,29 @@ impl MapBoundaries {
             computes_growth_rate: false,
         };
         let done = AtomicUsize::new(0);
-        let located: Vec<Vec<f64>> = changes
-            .par_chunks(POINTS_PER_PROGRESS_REPORT / BISECTION_COUNT)
+        let chunk_length = POINTS_PER_PROGRESS_REPORT / BISECTION_COUNT;
+        let distribution = Distribution::new(communicator, chunk_length);
+        let own_count = distribution.own_count(changes.len());
+        let mut located = vec![f64::NAN; changes.len()];
+        located
+            .par_chunks_mut(chunk_length)
+            .zip(changes.par_chunks(chunk_length))
+            .enumerate()
+            .filter(|(chunk, _)| distribution.is_own(*chunk))
             .map_init(
                 || PointAssessor::new(case, map, options, &cache),
-                |assessor, chunk| {
-                    let bisect_change = |&(point, axis): &(usize, usize)| {
-                        bisect(assessor, position(point), axis, &points[point])
-                    };
-                    let places = chunk.iter().map(bisect_change).collect();
-                    let count = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-                    report_progress(progress, count, changes.len())?;
-                    Ok(places)
+                |assessor, (_, (places, changes))| {
+                    for (place, &(point, axis)) in places.iter_mut().zip(changes) {
+                        *place = bisect(assessor, position(point), axis, &points[point]);
+                    }
+                    let count = done.fetch_add(changes.len(), Ordering::Relaxed) + changes.len();
+                    report_progress(progress, count, own_count)
                 },
             )
-            .collect::<Result<_, Error>>()?;
+            .collect::<Result<(), Error>>()?;
+        distribution.exchange(&mut located, |place| [*place], |[place]| place);
         let mut step_fractions = [0, 1].map(|_| vec![f64::NAN; points.len()]);
-        for ((point, axis), fraction) in changes.into_iter().zip(located.into_iter().flatten()) {
+        for ((point, axis), fraction) in changes.into_iter().zip(located) {
             step_fractions[axis][point] = fraction;
         }
         let is_thin = |point: usize, axis: usize| {

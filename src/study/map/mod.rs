@@ -1,6 +1,7 @@
 //! Map: the verdict over two parameters of a case.
 
 mod boundaries;
+mod distribution;
 mod point_assessor;
 pub mod samples;
 pub mod summary;
@@ -16,6 +17,8 @@ use super::{ProgressCallback, report_progress};
 use crate::case::{Case, MapAxes, ParameterSweep};
 use crate::{Error, setup};
 use analysis::solids::AcousticTensorCache;
+use distribution::Distribution;
+use dynamics::decomposition::communicator::{Communicator, SingleProcess};
 use models::InputError;
 use point_assessor::PointAssessor;
 use rayon::prelude::*;
@@ -102,24 +105,47 @@ pub fn compute_map(
     progress: ProgressCallback,
 ) -> Result<MapResult, Error> {
     case.check_without_contacts()?;
+    check_map_memory(case)?;
+    compute_map_on_ranks(case, options, &SingleProcess, progress)
+}
+
+/// Assesses all states of the map of a case as [`compute_map`] does, on several ranks, each on the rayon thread pool in
+/// which it is called. All ranks get the whole result, which does not depend on their number. All of them call it with
+/// the same case and options, after [`check_map_memory`]. `progress` is that of this rank; with several ranks it must not
+/// cancel.
+///
+/// # Errors
+/// The case has no map or is invalid at all of its points; [`Error::Cancelled`].
+pub fn compute_map_on_ranks(
+    case: &Case,
+    options: MapOptions,
+    communicator: &dyn Communicator,
+    progress: ProgressCallback,
+) -> Result<MapResult, Error> {
+    case.check_without_contacts()?;
     let map = case.require_map()?;
-    check_memory(case, map)?;
     let options = options.with_swept_wave(map);
     // The number of changes of the verdict is unknown before all points are assessed. One boundary across the map
     // changes the verdict on at most as many steps as the map has rows and columns.
     let (nx, ny) = (map.x.point_count, map.y.point_count);
     let boundary_share = boundaries::BISECTION_COUNT * (nx + ny);
     let all = nx * ny + boundary_share;
-    let points = assess_points(case, map, options, &|done, _| progress(done, all))?;
-    let boundaries = MapBoundaries::locate(case, map, options, &points, &|done, changes| {
-        progress(nx * ny + boundary_share * done / changes, all)
-    })?;
+    let points = assess_points(case, map, options, communicator, &|done, _| progress(done, all))?;
+    let located = |done: usize, changes: usize| {
+        progress(nx * ny + boundary_share * done / changes.max(1), all)
+    };
+    let boundaries = MapBoundaries::locate(case, map, options, &points, (communicator, &located))?;
     report_progress(progress, all, all)?;
     Ok(MapResult::new(case, map, options, points, boundaries))
 }
 
-/// Checks that memory suffices for the points of a map, twice if they are transposed, and for one table column.
-fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
+/// Checks that memory suffices for the points of the map of a case, twice if they are transposed, and for one table
+/// column.
+///
+/// # Errors
+/// The case has no map, or memory is insufficient.
+pub fn check_map_memory(case: &Case) -> Result<(), Error> {
+    let map = case.require_map()?;
     let points = map.x.point_count as f64 * map.y.point_count as f64;
     let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
     let needed = Bytes(PROGRAM_MEMORY_BYTES + points * (of_point + size_of::<f64>()) as f64);
@@ -149,7 +175,7 @@ fn is_transposed(case: &Case, map: &MapAxes) -> bool {
 /// The case has no map or is invalid at all of its points, or memory is insufficient; [`Error::Cancelled`].
 pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error> {
     let map = case.require_map()?;
-    check_memory(case, map)?;
+    check_map_memory(case)?;
     let cache = AcousticTensorCache::default();
     let mut assessor = PointAssessor::new(case, map, MapOptions::default(), &cache);
     let (nx, ny) = (map.x.point_count, map.y.point_count);
@@ -167,11 +193,12 @@ pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error
     }
 }
 
-/// Assesses all points of a map and returns them with x fastest.
+/// Assesses all points of a map, of which each rank assesses a part, and returns them with x fastest.
 fn assess_points(
     case: &Case,
     map: &MapAxes,
     options: MapOptions,
+    communicator: &dyn Communicator,
     progress: ProgressCallback,
 ) -> Result<Vec<MapPoint>, Error> {
     let (nx, ny) = (map.x.point_count, map.y.point_count);
@@ -186,37 +213,47 @@ fn assess_points(
     };
     let cache = AcousticTensorCache::default();
     let (done, is_cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let first_error = points
+    let distribution = Distribution::new(communicator, POINTS_PER_PROGRESS_REPORT);
+    let own_count = distribution.own_count(nx * ny);
+    let first_invalid = points
         .par_chunks_mut(POINTS_PER_PROGRESS_REPORT)
         .enumerate()
+        .filter(|(chunk, _)| distribution.is_own(*chunk))
         .map_init(
             || PointAssessor::new(case, map, options, &cache),
             |assessor, (chunk, block)| {
-                let mut first_error = None;
+                let mut first_invalid = None;
                 if is_cancelled.load(Ordering::Relaxed) {
-                    return first_error;
+                    return first_invalid;
                 }
                 for (offset, point) in block.iter_mut().enumerate() {
                     let index = chunk * POINTS_PER_PROGRESS_REPORT + offset;
                     let [x, y] = grid_indices(index);
                     match assessor.assess_point(x, y) {
                         Ok(assessed) => *point = assessed,
-                        Err(error) => {
-                            first_error.get_or_insert((index, error));
-                        }
+                        Err(_) => _ = first_invalid.get_or_insert(index),
                     }
                 }
                 let steps = done.fetch_add(block.len(), Ordering::Relaxed) + block.len();
-                if progress(steps, nx * ny).is_break() {
+                if progress(steps * (nx * ny) / own_count, nx * ny).is_break() {
                     is_cancelled.store(true, Ordering::Relaxed);
                 }
-                first_error
+                first_invalid
             },
         )
         .flatten()
-        .min_by_key(|(index, _)| *index);
+        .min();
     if is_cancelled.into_inner() {
         return Err(Error::Cancelled);
+    }
+    distribution.exchange(&mut points, MapPoint::to_numbers, MapPoint::from_numbers);
+    // A map may extend outside the range of the model; only a map that is entirely outside is an error.
+    let is_outside = points.iter().all(|point| point.status == PointStatus::OutsideModel);
+    if let Some(index) = distribution.find_least(first_invalid).filter(|_| is_outside) {
+        let [x, y] = grid_indices(index);
+        PointAssessor::new(case, map, options, &cache)
+            .assess_point(x, y)
+            .map_err(|error| setup::locate_map_point_error(case, error))?;
     }
     if is_transposed {
         let by_column = points.clone();
@@ -225,11 +262,83 @@ fn assess_points(
             points[y * nx + x] = point;
         }
     }
-    // A map may extend outside the range of the model; only a map that is entirely outside is an error.
-    match first_error {
-        Some((_, error)) if points.iter().all(|p| p.status == PointStatus::OutsideModel) => {
-            Err(setup::locate_map_point_error(case, error))
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::ignore_progress;
+    use dynamics::decomposition::communicator::ThreadRank;
+
+    /// Bundled cases with smaller maps: a flow, and a yielding solid whose points are assessed by columns.
+    const CASES: [(&str, &[&str]); 2] = [
+        ("granular-flow/noncoaxiality-bound.toml", &["map.x.points=31", "map.y.points=17"]),
+        (
+            "cosserat/flutter.toml",
+            &[
+                "map.x={ parameter = 'model.alpha', from = 0.1, to = 0.5, points = 15 }",
+                "map.y.points=13",
+            ],
+        ),
+    ];
+
+    /// Map all of whose points are out of range of the model.
+    const INVALID_CASE: (&str, &[&str]) = (
+        "granular-flow/noncoaxiality-bound.toml",
+        &["background.density=-1", "map.x.points=19", "map.y.points=11"],
+    );
+
+    /// Computes the map of a case on `size` ranks and returns the results of all, or their errors.
+    fn compute_on_ranks(case: &Case, size: usize) -> Vec<Result<MapResult, String>> {
+        std::thread::scope(|scope| {
+            let start = |rank: ThreadRank| {
+                scope.spawn(move || {
+                    let options = MapOptions::default();
+                    compute_map_on_ranks(case, options, &rank, &ignore_progress)
+                        .map_err(|error| error.to_string())
+                })
+            };
+            let ranks: Vec<_> = ThreadRank::create_all(size).into_iter().map(start).collect();
+            ranks.into_iter().map(|own| own.join().expect("no panic")).collect()
+        })
+    }
+
+    fn load(name: &str, settings: &[&str]) -> Case {
+        let path = format!("{}/cases/{name}", env!("CARGO_MANIFEST_DIR"));
+        let settings: Vec<String> = settings.iter().map(|own| (*own).to_owned()).collect();
+        Case::load(path.as_ref(), &settings).expect("a case")
+    }
+
+    #[test]
+    fn maps_do_not_depend_on_ranks() {
+        for (name, settings) in CASES {
+            let case = load(name, settings);
+            let expected = compute_map(&case, MapOptions::default(), &ignore_progress);
+            let expected = expected.expect("a map");
+            let bits = |map: &MapResult| -> Vec<u64> {
+                let points = map.points.iter().flat_map(MapPoint::to_numbers);
+                let places = map.boundaries.step_fractions.iter().flatten().copied();
+                points.chain(places).map(f64::to_bits).collect()
+            };
+            for size in [2, 3, 40] {
+                for found in compute_on_ranks(&case, size) {
+                    let found = found.expect("a map");
+                    assert!(bits(&found) == bits(&expected), "{name}, {size} ranks");
+                    assert_eq!(found.status_counts, expected.status_counts);
+                }
+            }
         }
-        _ => Ok(points),
+    }
+
+    #[test]
+    fn all_ranks_refuse_a_map_without_valid_point() {
+        let (name, settings) = INVALID_CASE;
+        let case = load(name, settings);
+        let expected = compute_map(&case, MapOptions::default(), &ignore_progress);
+        let expected = expected.expect_err("no valid point").to_string();
+        for found in compute_on_ranks(&case, 3) {
+            assert_eq!(found.expect_err("no valid point"), expected);
+        }
     }
 }

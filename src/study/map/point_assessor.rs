@@ -153,6 +153,76 @@ impl MapPoint {
         }
     }
 
+    /// Returns all numbers of the point, from which [`from_numbers`](Self::from_numbers) restores it; discrete values as
+    /// their places in the lists of all.
+    pub(super) fn to_numbers(&self) -> [f64; 14] {
+        let route = self.route.map_or(f64::NAN, |own| place_in(&Route::ALL, &own));
+        let [kind, flutter, least, direction, elevation] = match self.speeds {
+            None => [f64::NAN; 5],
+            Some(PointSpeeds {
+                hyperbolicity,
+                max_imaginary_speed,
+                min_squared_speed,
+                slowest_normal_deg: [direction, elevation],
+            }) => {
+                let kind = place_in(&Hyperbolicity::ALL, &hyperbolicity);
+                [kind, max_imaginary_speed, min_squared_speed, direction, elevation]
+            }
+        };
+        [
+            place_in(&PointStatus::ALL, &self.status),
+            route,
+            self.growth_order,
+            self.growth_coefficient,
+            self.direction_deg,
+            self.elevation_deg,
+            self.growth_bound,
+            self.growth_rate,
+            self.noncoaxiality_bound_deg,
+            kind,
+            flutter,
+            least,
+            direction,
+            elevation,
+        ]
+    }
+
+    /// Creates the point with these numbers.
+    pub(super) fn from_numbers(numbers: [f64; 14]) -> Self {
+        let [status, route, rest @ ..] = numbers;
+        let [
+            growth_order,
+            growth_coefficient,
+            direction_deg,
+            elevation_deg,
+            growth_bound,
+            growth_rate,
+            noncoaxiality_bound_deg,
+            kind,
+            max_imaginary_speed,
+            min_squared_speed,
+            slowest @ ..,
+        ] = rest;
+        let kind = value_at(&Hyperbolicity::ALL, kind);
+        Self {
+            status: value_at(&PointStatus::ALL, status).unwrap_or(PointStatus::OutsideModel),
+            route: value_at(&Route::ALL, route),
+            growth_order,
+            growth_coefficient,
+            direction_deg,
+            elevation_deg,
+            growth_bound,
+            growth_rate,
+            noncoaxiality_bound_deg,
+            speeds: kind.map(|hyperbolicity| PointSpeeds {
+                hyperbolicity,
+                max_imaginary_speed,
+                min_squared_speed,
+                slowest_normal_deg: slowest,
+            }),
+        }
+    }
+
     /// Returns whether two points have the same status, order of growth and type of characteristic speeds.
     pub fn has_verdict_of(&self, other: &Self) -> bool {
         let kind = |point: &Self| (point.status, point.speeds.map(|speeds| speeds.hyperbolicity));
@@ -177,6 +247,16 @@ impl MapPoint {
             Verdict::Indeterminate { .. } => PointStatus::Indeterminate,
         };
     }
+}
+
+/// Returns the place of a value in the list of all.
+fn place_in<V: PartialEq>(all: &[V], value: &V) -> f64 {
+    all.iter().position(|own| own == value).map_or(f64::NAN, |place| place as f64)
+}
+
+/// Returns the value at a place in the list of all; `None` if the place is NaN.
+fn value_at<V: Copy>(all: &[V], place: f64) -> Option<V> {
+    (!place.is_nan()).then(|| all.get(place as usize).copied()).flatten()
 }
 
 /// Assessor of the points of a map, one instance per thread. From point to point only the swept numbers of `case`
