@@ -7,6 +7,7 @@
 //! checksum (4) of the opening and all sections in sequence, without the checksums they contain. Checksums are CRC-32
 //! as in zlib: they detect accidental but not intentional damage.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -100,12 +101,24 @@ pub enum SectionFileProblem {
 /// Writes sections to a file atomically (see [`crate::write_atomically`]), without copying the contents. Duplicate
 /// names are refused.
 pub fn write_sections(path: &Path, sections: &[(&str, &[u8])]) -> Result<(), FileError> {
+    let lengths: Vec<(&str, usize)> =
+        sections.iter().map(|(name, content)| (*name, content.len())).collect();
+    write_sections_with(path, &lengths, |index| Cow::Borrowed(sections[index].1))
+}
+
+/// Writes sections of given names and lengths to a file as [`write_sections`] does, of which only one is in memory at a
+/// time: `content` returns that of the section at an index.
+pub fn write_sections_with<'a>(
+    path: &Path,
+    sections: &[(&str, usize)],
+    content: impl Fn(usize) -> Cow<'a, [u8]>,
+) -> Result<(), FileError> {
     let opening = format_opening(sections).map_err(|source| FileError {
         path: path.to_path_buf(),
         action: "write",
         source,
     })?;
-    write_atomically_with(path, |file| write_parts(file, &opening, sections))
+    write_atomically_with(path, |file| write_parts(file, &opening, sections, &content))
 }
 
 /// Reads the sections of a file, in the order of writing. Any changed byte is an error; stated lengths are checked
@@ -198,22 +211,31 @@ impl<W: Write> ChecksumWriter<W> {
     }
 }
 
-fn write_parts(writer: impl Write, opening: &[u8], sections: &[(&str, &[u8])]) -> io::Result<()> {
+fn write_parts<'a>(
+    writer: impl Write,
+    opening: &[u8],
+    sections: &[(&str, usize)],
+    content: &impl Fn(usize) -> Cow<'a, [u8]>,
+) -> io::Result<()> {
     let mut writer = ChecksumWriter { writer, file_hasher: Hasher::new() };
     writer.write_part(opening)?;
-    for (name, content) in sections {
+    for (index, (name, length)) in sections.iter().enumerate() {
         let mut head = (name.len() as u32).to_le_bytes().to_vec();
-        head.extend((content.len() as u64).to_le_bytes());
+        head.extend((*length as u64).to_le_bytes());
         head.extend(name.as_bytes());
         writer.write_part(&head)?;
-        writer.write_part(content)?;
+        let content = content(index);
+        if content.len() != *length {
+            return Err(invalid_input(format!("section \"{name}\" has another length")));
+        }
+        writer.write_part(&content)?;
     }
     let ChecksumWriter { mut writer, file_hasher: whole } = writer;
     writer.write_all(&whole.finalize().to_le_bytes())
 }
 
 /// Formats the opening of the file without its checksum; an error if the sections cannot be represented.
-fn format_opening(sections: &[(&str, &[u8])]) -> io::Result<Vec<u8>> {
+fn format_opening(sections: &[(&str, usize)]) -> io::Result<Vec<u8>> {
     let mut names = HashSet::new();
     if let Some((name, _)) = sections.iter().find(|(name, _)| !names.insert(name)) {
         return Err(invalid_input(format!("two sections are named \"{name}\"")));
@@ -223,10 +245,8 @@ fn format_opening(sections: &[(&str, &[u8])]) -> io::Result<Vec<u8>> {
     }
     let count = u32::try_from(sections.len())
         .map_err(|_| invalid_input("there are too many sections".to_owned()))?;
-    let length = |&(name, content): &(&str, &[u8])| {
-        (SECTION_HEAD_LENGTH + 2 * CHECKSUM_LENGTH) as u64
-            + name.len() as u64
-            + content.len() as u64
+    let length = |&(name, length): &(&str, usize)| {
+        (SECTION_HEAD_LENGTH + 2 * CHECKSUM_LENGTH) as u64 + name.len() as u64 + length as u64
     };
     let total =
         (OPENING_LENGTH + CHECKSUM_LENGTH) as u64 + sections.iter().map(length).sum::<u64>();
@@ -393,7 +413,11 @@ mod tests {
 
     fn format_sections(sections: &[(&str, &[u8])]) -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_parts(&mut bytes, &format_opening(sections).unwrap(), sections).unwrap();
+        let lengths: Vec<(&str, usize)> =
+            sections.iter().map(|(name, content)| (*name, content.len())).collect();
+        let opening = format_opening(&lengths).unwrap();
+        let content = |index: usize| Cow::Borrowed(sections[index].1);
+        write_parts(&mut bytes, &opening, &lengths, &content).unwrap();
         bytes
     }
 

@@ -4,8 +4,11 @@ use super::boxes::{BoxCopy, count_cells};
 use crate::case::dynamics::SolidGrid;
 use crate::cli::folder::{OutputError, create_write_error};
 use crate::study::simulate::{FaceRecord, JointFace, OutputFields};
-use files::section_file::{SectionFileError, SectionFileProblem, visit_sections, write_sections};
+use files::section_file::{
+    SectionFileError, SectionFileProblem, visit_sections, write_sections_with,
+};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -31,24 +34,49 @@ pub(in crate::cli) fn write_fields(
     let ends: Vec<[usize; 2]> = cells.iter().map(|own| [own.start, own.end]).collect();
     let names: Vec<&str> = fields.quantities.iter().map(|own| own.name.as_str()).collect();
     let about = json!({ "time": fields.time.to_bits(), "cells": ends, "names": names }).to_string();
-    let encode = |values: &[f64]| -> Vec<u8> {
-        values.iter().flat_map(|value| value.to_le_bytes()).collect()
-    };
-    let quantities = fields.quantities.iter().map(|own| (own.name.as_str(), encode(&own.values)));
-    let mut contents = vec![(ABOUT, about.into_bytes())];
-    contents.extend(quantities);
+    let faces: Vec<f64> = fields.joint_faces.iter().flat_map(face_numbers).collect();
+    let mut contents: Vec<(&str, Numbers)> = vec![(ABOUT, Numbers::Text(&about))];
+    let quantities = fields.quantities.iter();
+    contents.extend(quantities.map(|own| (own.name.as_str(), Numbers::Real(&own.values))));
     if !fields.plastic_dissipation.is_empty() {
-        contents.push((DISSIPATION, encode(&fields.plastic_dissipation)));
+        contents.push((DISSIPATION, Numbers::Real(&fields.plastic_dissipation)));
     }
     if !fields.region_indices.is_empty() {
-        let regions = fields.region_indices.iter();
-        contents.push((REGION, regions.flat_map(|own| i32::from(*own).to_le_bytes()).collect()));
+        contents.push((REGION, Numbers::Indices(&fields.region_indices)));
     }
-    let faces = fields.joint_faces.iter().flat_map(face_numbers);
-    contents.push((JOINTS, encode(&faces.collect::<Vec<f64>>())));
-    let sections: Vec<(&str, &[u8])> =
-        contents.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-    write_sections(path, &sections).map_err(|error| create_write_error(path, &error))
+    contents.push((JOINTS, Numbers::Real(&faces)));
+    let sections: Vec<(&str, usize)> =
+        contents.iter().map(|(name, own)| (*name, own.encoded_length())).collect();
+    // One section at a time: all together would take as much memory as the fields.
+    write_sections_with(path, &sections, |index| Cow::Owned(contents[index].1.encode()))
+        .map_err(|error| create_write_error(path, &error))
+}
+
+/// Content of a section.
+enum Numbers<'a> {
+    Text(&'a str),
+    Real(&'a [f64]),
+    Indices(&'a [u16]),
+}
+
+impl Numbers<'_> {
+    fn encoded_length(&self) -> usize {
+        match self {
+            Self::Text(text) => text.len(),
+            Self::Real(values) => size_of_val(*values),
+            Self::Indices(values) => values.len() * size_of::<i32>(),
+        }
+    }
+
+    fn encode(&self) -> Vec<u8> {
+        match self {
+            Self::Text(text) => text.as_bytes().to_vec(),
+            Self::Real(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            Self::Indices(values) => {
+                values.iter().flat_map(|own| i32::from(*own).to_le_bytes()).collect()
+            }
+        }
+    }
 }
 
 fn face_numbers(face: &JointFace) -> [f64; FACE_NUMBERS] {
