@@ -88,10 +88,7 @@ impl Report for SplitResult {
             "surface: faces of cells at cuts; messages and bytes: sent in a step, means over a pass"
         );
         if self.has_joints {
-            let _ = writeln!(
-                text,
-                "bytes of the history variables of joints, and the work of joints, are not counted"
-            );
+            let _ = writeln!(text, "the work of joints is not counted");
         }
         text
     }

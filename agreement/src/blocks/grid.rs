@@ -93,14 +93,10 @@ impl BlockGrid {
                 self.locate_cell(index).cell[axis] == 0
             };
             let plane = |cell: usize| {
-                let own: Vec<Option<u16>> =
-                    (0..faces).map(|face| has_layer(cell, face).then_some(0)).collect();
-                match own.iter().filter(|law| law.is_some()).count() {
-                    0 => None,
-                    count if count == faces => {
-                        Some(InterlayerPlane { cell, laws: PlaneLaws::Uniform(0) })
-                    }
-                    _ => Some(InterlayerPlane { cell, laws: PlaneLaws::ByFace(own) }),
+                let laws = (0..faces).map(|face| has_layer(cell, face).then_some(0));
+                match PlaneLaws::from_faces(laws) {
+                    PlaneLaws::Runs(runs) if runs.iter().all(|own| own.1.is_none()) => None,
+                    laws => Some(InterlayerPlane { cell, laws }),
                 }
             };
             Some(Interlayers {

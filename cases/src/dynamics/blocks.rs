@@ -171,33 +171,6 @@ impl Blocks {
         }
     }
 
-    /// Computes for each axis the joint at the lower face of every cell, normal to this axis: an index into
-    /// [`joints`](Self::joints), or `None` inside a block, between welded blocks and on the boundary. Both lists have
-    /// one entry per cell, first axis fastest.
-    ///
-    /// # Errors
-    /// Memory allocation fails.
-    pub fn compute_face_joints(&self) -> Result<[Vec<Option<u16>>; 2], CaseError> {
-        let mut faces = [self.allocate_cells(None)?, self.allocate_cells(None)?];
-        let row = self.cells[0];
-        for contact in self.contacts.iter().filter(|contact| contact.joint_index.is_some()) {
-            let own = &mut faces[contact.axis];
-            match contact.axis {
-                0 => contact
-                    .tangential_cells
-                    .clone()
-                    .for_each(|j| own[contact.plane_index + row * j] = contact.joint_index),
-                _ => {
-                    let start = row * contact.plane_index;
-                    own[start + contact.tangential_cells.start
-                        ..start + contact.tangential_cells.end]
-                        .fill(contact.joint_index);
-                }
-            }
-        }
-        Ok(faces)
-    }
-
     /// Returns for each cell the value of `value` at the index of its block.
     fn fill_cells_by_block<T: Copy>(
         &self,

@@ -56,7 +56,7 @@ pub struct RankPart<const D: usize> {
     pub neighbours: usize,
     /// Mean number of messages sent to other ranks in a step.
     pub messages_per_step: f64,
-    /// Mean number of bytes sent to other ranks in a step, without history variables of interlayers.
+    /// Mean number of bytes sent to other ranks in a step.
     pub bytes_per_step: f64,
     /// Of these, mean numbers of bytes that are copied cell by cell: sent along the axis that is swept first, and along
     /// those between it and the last one.

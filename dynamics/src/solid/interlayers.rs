@@ -172,8 +172,33 @@ impl<N: Number, const P: usize> FaceLaw<N, P> for InterlayerLaw<N> {
 pub enum PlaneLaws {
     /// The same law in all faces.
     Uniform(u16),
-    /// Law of each face, other axes in ascending order, first one fastest; `None`: no interlayer.
-    ByFace(Vec<Option<u16>>),
+    /// Runs of faces with the same law, other axes in ascending order, first one fastest: end of the run and law, `None`
+    /// without interlayer. Joints of large blocks take few runs.
+    Runs(Vec<(usize, Option<u16>)>),
+}
+
+impl PlaneLaws {
+    /// Creates the laws of the faces of a plane, from the law of each face or of runs of faces with their lengths.
+    pub fn from_runs(runs: impl IntoIterator<Item = (usize, Option<u16>)>) -> Self {
+        let mut merged: Vec<(usize, Option<u16>)> = Vec::new();
+        let mut end = 0;
+        for (length, law) in runs.into_iter().filter(|own| own.0 > 0) {
+            end += length;
+            match merged.last_mut().filter(|last| last.1 == law) {
+                Some(last) => last.0 = end,
+                None => merged.push((end, law)),
+            }
+        }
+        match merged[..] {
+            [(_, Some(law))] => Self::Uniform(law),
+            _ => Self::Runs(merged),
+        }
+    }
+
+    /// Creates the laws of the faces of a plane from the law of each; `None`: no interlayer.
+    pub fn from_faces(laws: impl IntoIterator<Item = Option<u16>>) -> Self {
+        Self::from_runs(laws.into_iter().map(|law| (1, law)))
+    }
 }
 
 /// Plane of faces with interlayers.
@@ -191,7 +216,7 @@ impl InterlayerPlane {
     pub(crate) fn law(&self, face: usize) -> Option<u16> {
         match &self.laws {
             PlaneLaws::Uniform(law) => Some(*law),
-            PlaneLaws::ByFace(laws) => laws.get(face).copied().flatten(),
+            PlaneLaws::Runs(runs) => runs.get(runs.partition_point(|own| own.0 <= face))?.1,
         }
     }
 }
@@ -281,8 +306,9 @@ impl Interlayers {
             let is_known = |law: u16| usize::from(law) < self.laws.len();
             let is_valid = match &plane.laws {
                 PlaneLaws::Uniform(law) => is_known(*law),
-                PlaneLaws::ByFace(laws) => {
-                    laws.len() == faces && laws.iter().flatten().all(|law| is_known(*law))
+                PlaneLaws::Runs(runs) => {
+                    runs.last().is_some_and(|last| last.0 == faces)
+                        && runs.iter().filter_map(|own| own.1).all(is_known)
                 }
             };
             if !is_valid {

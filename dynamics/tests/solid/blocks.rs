@@ -63,7 +63,7 @@ fn random_boundary(random: &mut NoiseSequence, medium: &Medium, axis: usize) -> 
 }
 
 /// Returns the random problem of an index, with interlayers across at least one axis, and its description.
-fn random_block_problem<const D: usize>(number: usize) -> (Problem<D>, String) {
+pub(crate) fn random_block_problem<const D: usize>(number: usize) -> (Problem<D>, String) {
     let mut random = NoiseSequence::new((number as u64) << 40);
     let media = random_media(&mut random, D);
     let cell_counts = if D == 2 { [40, 29, 33, 24, 16] } else { [18, 13, 17, 12, 16] };
@@ -515,10 +515,12 @@ fn invalid_interlayers_are_refused() {
         let duplicate = own.interlayers[0].planes[0].clone();
         own.interlayers[0].planes.push(duplicate);
     }));
-    assert!(is_refused(|own| own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(0)])));
+    assert!(is_refused(|own| {
+        own.interlayers[0].planes[0].laws = PlaneLaws::from_faces([Some(0), None]);
+    }));
     assert!(is_refused(|own| {
         let faces = own.grid.faces(own.interlayers[0].axis);
-        own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(9); faces]);
+        own.interlayers[0].planes[0].laws = PlaneLaws::from_runs([(faces, Some(9))]);
     }));
     assert!(is_refused(|own| own.scheme.splitting = Splitting::Alternating));
 }

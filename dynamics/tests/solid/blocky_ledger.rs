@@ -41,8 +41,8 @@ fn random_interlayers_by_face(
             let law = random.uniform_index(laws.len() + 1);
             (law < laws.len()).then_some(law as u16)
         };
-        let faces = (0..GRID_CELLS[1 - axis]).map(law).collect();
-        InterlayerPlane { cell: *cell, laws: PlaneLaws::ByFace(faces) }
+        let faces = (0..GRID_CELLS[1 - axis]).map(law);
+        InterlayerPlane { cell: *cell, laws: PlaneLaws::from_faces(faces) }
     };
     Interlayers {
         axis,

@@ -39,8 +39,8 @@ pub(crate) fn build_problem(
                 true => Some(random.choose(&saturated) as u16),
                 false => Some(random.uniform_index(laws.len()) as u16),
             };
-            let faces = (0..CELL_COUNT).map(law).collect();
-            InterlayerPlane { cell, laws: PlaneLaws::ByFace(faces) }
+            let faces = (0..CELL_COUNT).map(law);
+            InterlayerPlane { cell, laws: PlaneLaws::from_faces(faces) }
         };
         Interlayers {
             axis,

@@ -3,7 +3,7 @@
 use super::GridConverter;
 use super::geometry::is_periodic;
 use crate::Error;
-use crate::case::dynamics::{Blocks, CourantWaves, JointEntry, JointSelector};
+use crate::case::dynamics::{BlockContact, Blocks, CourantWaves, JointEntry, JointSelector};
 use crate::study::format::format_short;
 use dynamics::solid::interlayers::{InterlayerLaw, InterlayerPlane, Interlayers, PlaneLaws};
 use models::interface::layer::LayerLaw;
@@ -27,14 +27,13 @@ impl GridConverter<'_> {
         let laws: Vec<LayerLaw<f64>> =
             blocks.joint_laws().map(|own| own.material.to_law(own.mass)).collect();
         self.check_components(blocks, &laws)?;
-        let faces = blocks.compute_face_joints()?;
         let by_axis = (0..2).map(|axis| Interlayers {
             axis,
             laws: laws.iter().map(|law| InterlayerLaw::Plane(*law, axis)).collect(),
             planes: self
                 .create_periodic_joint_plane(blocks, axis)
                 .into_iter()
-                .chain(create_planes(blocks, axis, &faces[axis]))
+                .chain(create_planes(blocks, axis))
                 .collect(),
             has_open_ends: blocks.has_open_ends(axis),
         });
@@ -94,24 +93,22 @@ impl GridConverter<'_> {
     }
 }
 
-/// Returns the planes that contain joints normal to an axis; `faces` holds the index of the joint at the lower face of
-/// each cell, `None` without joint.
-fn create_planes(blocks: &Blocks, axis: usize, faces: &[Option<u16>]) -> Vec<InterlayerPlane> {
-    let row = blocks.cells[0];
-    let laws_at = |cell: usize| -> Vec<Option<u16>> {
-        let lines = 0..blocks.cells[1 - axis];
-        lines
-            .map(|line| faces[if axis == 0 { cell + row * line } else { line + row * cell }])
-            .collect()
+/// Returns the planes that contain joints normal to an axis, from the joints alone: no rank lists the faces of all cells.
+fn create_planes(blocks: &Blocks, axis: usize) -> Vec<InterlayerPlane> {
+    let is_own = |contact: &&BlockContact| contact.axis == axis && contact.joint_index.is_some();
+    let mut joints: Vec<&BlockContact> = blocks.contacts.iter().filter(is_own).collect();
+    joints.sort_by_key(|own| (own.plane_index, own.tangential_cells.start));
+    let plane = |joints: &[&BlockContact]| {
+        let mut end = 0;
+        let mut runs = Vec::new();
+        for joint in joints {
+            let cells = &joint.tangential_cells;
+            runs.push((cells.start - end, None));
+            runs.push((cells.len(), joint.joint_index));
+            end = cells.end;
+        }
+        runs.push((blocks.cells[1 - axis] - end, None));
+        InterlayerPlane { cell: joints[0].plane_index, laws: PlaneLaws::from_runs(runs) }
     };
-    let plane = |cell: usize| {
-        let laws = laws_at(cell);
-        let first = laws.iter().flatten().next()?;
-        let laws = match laws.iter().all(|law| *law == Some(*first)) {
-            true => PlaneLaws::Uniform(*first),
-            false => PlaneLaws::ByFace(laws),
-        };
-        Some(InterlayerPlane { cell, laws })
-    };
-    (0..blocks.cells[axis]).filter_map(plane).collect()
+    joints.chunk_by(|one, other| one.plane_index == other.plane_index).map(plane).collect()
 }

@@ -26,7 +26,7 @@ pub struct SplitResult {
     pub precision: &'static str,
     /// Work of the rank with the most, relative to the mean of all ranks.
     pub work_imbalance: f64,
-    /// Whether the numbers of bytes lack the history variables of joints.
+    /// Whether there are joints, whose work is not counted.
     pub has_joints: bool,
     /// Ranks in their order.
     pub ranks: Vec<RankRow>,

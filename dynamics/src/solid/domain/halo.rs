@@ -190,13 +190,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// lower faces of the cells.
     fn value_count(&self, cells: &[Range<usize>; D]) -> usize {
         let count: usize = cells.iter().map(ExactSizeIterator::len).product();
-        count * self.fields().len()
-            + self
-                .interfaces
-                .sites_in_box(&self.layout, cells)
-                .iter()
-                .map(|site| self.interfaces.variables(site.axis))
-                .sum::<usize>()
+        count * self.fields().len() + self.interfaces.variables_in_box(&self.layout, cells)
     }
 
     /// Packs the values of the cells in a box into a buffer, lane by lane, and passes it to `send_buffer`.

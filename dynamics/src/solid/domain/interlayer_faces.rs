@@ -199,6 +199,23 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         region: &Region<D>,
         materials: &Materials<T, D>,
     ) -> Self {
+        let mut own = Self::without_stencils(problem, layout, region);
+        for (axis, across) in own.across.iter_mut().enumerate() {
+            // Along rows of different cell lengths the constants change from row to row.
+            let is_uniform = axis > 0 || materials.row_constants.is_none();
+            if let Some(across) = across {
+                across.set_stencils(is_uniform.then(|| materials.axis_table(axis)));
+            }
+        }
+        own
+    }
+
+    /// Creates the interlayers of a region of a problem for the numbers of history variables alone.
+    pub(super) fn without_stencils(
+        problem: &Problem<D>,
+        layout: &Layout<D>,
+        region: &Region<D>,
+    ) -> Self {
         let coordinates = RegionCoordinates {
             grid_cells: problem.grid.cells,
             coordinates: std::array::from_fn(|axis| region.coordinates(axis)),
@@ -210,9 +227,6 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
                 problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0];
             let pairs = problem.media[0].pairs[axis].len();
             let mut across = Self::new_across(own, (pairs, is_periodic), layout, &coordinates);
-            // Along rows of different cell lengths the constants change from row to row.
-            let is_uniform = axis > 0 || materials.row_constants.is_none();
-            across.set_stencils(is_uniform.then(|| materials.axis_table(axis)));
             across.history_start = history_count;
             history_count += match axis {
                 0 => layout.layers() * layout.rows * across.history_stride,
@@ -414,6 +428,11 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         };
         let sites = cells[D - 1].clone().flat_map(|layer| self.layer_sites(layout, layer));
         sites.filter(is_inside).collect()
+    }
+
+    /// Returns the number of history variables at the lower faces of the cells in a box.
+    pub(super) fn variables_in_box(&self, layout: &Layout<D>, cells: &[Range<usize>; D]) -> usize {
+        self.sites_in_box(layout, cells).iter().map(|site| self.variables(site.axis)).sum()
     }
 
     /// Returns the number of history variables of a face normal to an axis.

@@ -154,7 +154,7 @@ pub fn random_interlayers(
                 let law = random.uniform_index(interlayers.laws.len() + 1);
                 (law < interlayers.laws.len()).then_some(law as u16)
             });
-            let laws = PlaneLaws::ByFace(laws.collect());
+            let laws = PlaneLaws::from_faces(laws);
             *plane = InterlayerPlane { cell: plane.cell, laws };
         }
     }
