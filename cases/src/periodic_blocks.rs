@@ -60,17 +60,26 @@ impl Case {
         case
     }
 
+    /// Returns the run and the blocks of a blocky medium.
+    ///
+    /// # Errors
+    /// The case has no blocks; the message says how to add them.
+    pub fn require_blocks(&self) -> Result<(&SolidRun, &Blocks), CaseError> {
+        let found = self.solid_run.as_ref().zip(self.blocks());
+        found.ok_or_else(|| {
+            let allowed = "for a blocky medium, add [[block]] with cells, size and repeat in place of [grid], and \
+                           [[joint]]; wellposed cases show instant-rotation-elastic prints one";
+            self.solid_section_error("block", allowed)
+        })
+    }
+
     /// Returns the periodic medium of a blocky case.
     ///
     /// # Errors
     /// The case has no blocks or no joints, several kinds of blocks or materials, blocks without joints along an axis,
     /// different joints along one axis, or blocks that are not classical elastic solids.
     pub fn to_periodic_blocks(&self) -> Result<PeriodicBlocks, CaseError> {
-        let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
-            let allowed = "for a blocky medium, add [[block]] with cells, size and repeat in place of [grid], and \
-                           [[joint]]; wellposed cases show instant-rotation-elastic prints one";
-            return Err(self.solid_section_error("block", allowed));
-        };
+        let (run, blocks) = self.require_blocks()?;
         if let Some(second) = blocks.entries.get(1) {
             let name = second.name.as_deref().map_or(String::new(), |name| format!(" '{name}'"));
             let found = format!("found a second kind of block{name}");

@@ -41,9 +41,11 @@ const EIGHTH: Slopes = Slopes::Wide(WideOrder::Eighth);
 const TWO_CYCLIC: Splitting = Splitting::TwoCyclic;
 const ALTERNATING: Splitting = Splitting::Alternating;
 
-/// Reconstruction, splitting, cells per wavelength and Courant number of the fastest wave, for an error of 1 % of P waves
-/// and of S waves at the least cost.
-const ROWS: [(Slopes, Splitting, [(f64, f64); 2]); 7] = [
+/// Reconstruction, splitting, cells per wavelength and Courant number of the fastest wave.
+type Row = (Slopes, Splitting, [(f64, f64); 2]);
+
+/// Schemes with an error of 1 % of P waves and of S waves at the least cost.
+const ROWS: [Row; 7] = [
     (Slopes::Limited, TWO_CYCLIC, [(64.0, 1.0), (80.0, 1.0)]),
     (Slopes::FourthOrder, TWO_CYCLIC, [(28.0, 0.35), (32.0, 0.25)]),
     (Slopes::FourthOrder, ALTERNATING, [(27.0, 0.7), (32.0, 0.5)]),

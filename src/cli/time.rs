@@ -60,6 +60,7 @@ pub(super) fn load_media(
     options: &Options,
     settings: &TimingSettings,
 ) -> Result<Vec<(usize, Case)>, CaseError> {
+    Case::load_simulation(&options.case_path, &options.settings)?.require_blocks()?;
     let mut blocks = settings.block_counts.clone();
     blocks.sort_unstable();
     let resize = |count: usize| -> Result<(usize, Case), CaseError> {

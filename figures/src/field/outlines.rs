@@ -100,8 +100,7 @@ mod tests {
         for [x, y] in &smooth[2..38] {
             assert!((y - x - 0.5).abs() < 0.11, "{x} {y}");
         }
-        let mut closed: Vec<Point> =
-            (0..12).map(|index| f64::from(index)).map(|a| [a.cos(), a.sin()]).collect();
+        let mut closed: Vec<Point> = (0..12).map(f64::from).map(|a| [a.cos(), a.sin()]).collect();
         closed.push(closed[0]);
         let smooth = smooth_line(&closed);
         assert!(smooth[0] == smooth[12] && smooth.len() == 13);

@@ -246,7 +246,7 @@ fn assess_points(
     if is_cancelled.into_inner() {
         return Err(Error::Cancelled);
     }
-    distribution.exchange(&mut points, MapPoint::to_numbers, MapPoint::from_numbers);
+    distribution.exchange(&mut points, MapPoint::numbers, MapPoint::from_numbers);
     // A map may extend outside the range of the model; only a map that is entirely outside is an error.
     let is_outside = points.iter().all(|point| point.status == PointStatus::OutsideModel);
     if let Some(index) = distribution.find_least(first_invalid).filter(|_| is_outside) {
@@ -317,7 +317,7 @@ mod tests {
             let expected = compute_map(&case, MapOptions::default(), &ignore_progress);
             let expected = expected.expect("a map");
             let bits = |map: &MapResult| -> Vec<u64> {
-                let points = map.points.iter().flat_map(MapPoint::to_numbers);
+                let points = map.points.iter().flat_map(MapPoint::numbers);
                 let places = map.boundaries.step_fractions.iter().flatten().copied();
                 points.chain(places).map(f64::to_bits).collect()
             };

@@ -155,7 +155,7 @@ impl MapPoint {
 
     /// Returns all numbers of the point, from which [`from_numbers`](Self::from_numbers) restores it; discrete values as
     /// their places in the lists of all.
-    pub(super) fn to_numbers(&self) -> [f64; 14] {
+    pub(super) fn numbers(&self) -> [f64; 14] {
         let route = self.route.map_or(f64::NAN, |own| place_in(&Route::ALL, &own));
         let [kind, flutter, least, direction, elevation] = match self.speeds {
             None => [f64::NAN; 5],
