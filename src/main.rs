@@ -10,7 +10,6 @@ mod picture_arguments;
 mod usage;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use dynamics::decomposition::communicator::Communicator;
 use format_argument::FormatArgument;
@@ -369,7 +368,7 @@ fn main() -> ExitCode {
     let line = command.try_get_matches().and_then(|own| CommandLine::from_arg_matches(&own));
     let verb = match line {
         Ok(line) => line.verb,
-        Err(error) => return report_usage_error(&error),
+        Err(error) => return usage::report_usage_error::<CommandLine>(&error),
     };
     let format = verb.output_format();
     signals::set_error_format(format);
@@ -391,33 +390,6 @@ fn main() -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
-}
-
-/// Prints the usage error, with exit code 2, or the requested help or version, with exit code 0.
-fn report_usage_error(error: &clap::Error) -> ExitCode {
-    if ranks::is_silent() {
-        ranks::wait_for_root_message();
-        return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-    }
-    let arguments: Vec<String> = std::env::args_os()
-        .skip(1)
-        .map(|argument| argument.to_string_lossy().into_owned())
-        .collect();
-    let wants_json = arguments.windows(2).any(|pair| pair == ["--format", "json"])
-        || arguments.iter().any(|argument| argument == "--format=json");
-    if wants_json && error.use_stderr() {
-        let error =
-            CommandError::Usage(usage::describe_usage_error::<CommandLine>(error, &arguments));
-        let _ = writeln!(std::io::stderr(), "{}", error.to_json());
-    } else if error.use_stderr()
-        && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
-    {
-        let error = usage::describe_usage_error::<CommandLine>(error, &arguments);
-        let _ = writeln!(std::io::stderr(), "error: {error}");
-    } else {
-        let _ = error.print();
-    }
-    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
 }
 
 impl Verb {
@@ -444,12 +416,14 @@ impl Verb {
     }
 }
 
-/// Makes a verb on several ranks, and ends the communication between them.
-fn end_ranks(
-    communicator: &Arc<dyn Communicator>,
-    verb: impl FnOnce(&Arc<dyn Communicator>) -> Result<(), CommandError>,
+/// Executes a verb in this process alone, or, under a launcher of several, on ranks, whose communication it ends.
+fn execute_on_ranks(
+    stdout: &mut dyn Write,
+    alone: impl FnOnce(&mut dyn Write) -> Result<(), CommandError>,
+    on_ranks: impl FnOnce(&Arc<dyn Communicator>, &mut dyn Write) -> Result<(), CommandError>,
 ) -> Result<(), CommandError> {
-    let result = verb(communicator);
+    let Some(communicator) = ranks::start_ranks()? else { return alone(stdout) };
+    let result = on_ranks(&communicator, stdout);
     communicator.finish();
     result
 }
@@ -468,12 +442,13 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {
             let map_options = MapOptions { computes_bound, computes_growth_rate, is_model_blind };
             let options = arguments.into();
-            match ranks::start_ranks()? {
-                None => cli::run_map(&options, map_options, &mut stdout)?,
-                Some(communicator) => end_ranks(&communicator, |ranks| {
-                    ranks::run_map_on_ranks(&options, map_options, ranks, &mut stdout)
-                })?,
-            }
+            execute_on_ranks(
+                &mut stdout,
+                |stdout| cli::run_map(&options, map_options, stdout),
+                |communicator, stdout| {
+                    ranks::run_map_on_ranks(&options, map_options, communicator, stdout)
+                },
+            )?;
         }
         Verb::Point { arguments } => cli::run_point(&arguments.into(), &mut stdout)?,
         Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
@@ -517,33 +492,35 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
                 steps: steps.into(),
             };
             let options = arguments.into();
-            match ranks::start_ranks()? {
-                None => cli::run_time(&options, &settings, &mut stdout)?,
-                Some(communicator) => end_ranks(&communicator, |ranks| {
-                    ranks::run_time_on_ranks(&options, &settings, ranks, &mut stdout)
-                })?,
-            }
+            execute_on_ranks(
+                &mut stdout,
+                |stdout| cli::run_time(&options, &settings, stdout),
+                |communicator, stdout| {
+                    ranks::run_time_on_ranks(&options, &settings, communicator, stdout)
+                },
+            )?;
         }
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };
             let settings = CheckpointSettings { interval: checkpoint_interval };
-            match ranks::start_ranks()? {
-                None => cli::run_simulation(&options, settings, &mut stdout)?,
-                Some(communicator) => end_ranks(&communicator, |ranks| {
-                    ranks::run_simulation_on_ranks(&options, settings, ranks, &mut stdout)
-                })?,
-            }
+            execute_on_ranks(
+                &mut stdout,
+                |stdout| cli::run_simulation(&options, settings, stdout),
+                |communicator, stdout| {
+                    ranks::run_simulation_on_ranks(&options, settings, communicator, stdout)
+                },
+            )?;
         }
         Verb::Check { arguments, only_disagreeing } => {
             let options = Options { only_disagreeing, ..arguments.into() };
-            let communicator =
-                if options.case_path.is_dir() { ranks::start_ranks()? } else { None };
-            match communicator {
-                None => cli::run_check(&options, &mut stdout)?,
-                Some(communicator) => end_ranks(&communicator, |ranks| {
-                    ranks::check_folder_on_ranks(&options, ranks, &mut stdout)
-                })?,
+            if !options.case_path.is_dir() {
+                return cli::run_check(&options, &mut stdout);
             }
+            execute_on_ranks(
+                &mut stdout,
+                |stdout| cli::run_check(&options, stdout),
+                |communicator, stdout| ranks::check_folder_on_ranks(&options, communicator, stdout),
+            )?;
         }
         Verb::Compare { first, second, output_folder, format, force, is_dry_run, pictures } => {
             let options = cli::CompareOptions {
@@ -560,13 +537,14 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
             let threads = threads.map(usize::from);
             let settings = CheckpointSettings { interval: checkpoint_interval };
             let (format, pictures) = (format.into(), pictures.into());
-            match ranks::start_ranks()? {
-                None => cli::resume(&folder, threads, settings, format, &pictures, &mut stdout)?,
-                Some(communicator) => end_ranks(&communicator, |ranks| {
+            execute_on_ranks(
+                &mut stdout,
+                |stdout| cli::resume(&folder, threads, settings, format, &pictures, stdout),
+                |ranks, stdout| {
                     let form = (format, &pictures);
-                    ranks::resume_on_ranks(&folder, threads, settings, ranks, form, &mut stdout)
-                })?,
-            }
+                    ranks::resume_on_ranks(&folder, threads, settings, ranks, form, stdout)
+                },
+            )?;
         }
         Verb::Plot { folder, pictures } => cli::plot(&folder, &pictures.into(), &mut stdout)?,
         Verb::Gather { folder, zarr, pictures } => {

@@ -3,11 +3,39 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command, CommandFactory, Error};
 use std::error::Error as _;
+use std::io::Write;
+use std::process::ExitCode;
 use wellposed::case::find_similar_name;
-use wellposed::cli::UsageError;
+use wellposed::cli::{CommandError, UsageError, ranks};
+
+/// Prints the usage error, with exit code 2, or the requested help or version, with exit code 0.
+pub fn report_usage_error<C: CommandFactory>(error: &Error) -> ExitCode {
+    if ranks::is_silent() {
+        ranks::wait_for_root_message();
+        return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+    }
+    let arguments: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|argument| argument.to_string_lossy().into_owned())
+        .collect();
+    let wants_json = arguments.windows(2).any(|pair| pair == ["--format", "json"])
+        || arguments.iter().any(|argument| argument == "--format=json");
+    if wants_json && error.use_stderr() {
+        let error = CommandError::Usage(describe_usage_error::<C>(error, &arguments));
+        let _ = writeln!(std::io::stderr(), "{}", error.to_json());
+    } else if error.use_stderr()
+        && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    {
+        let error = describe_usage_error::<C>(error, &arguments);
+        let _ = writeln!(std::io::stderr(), "error: {error}");
+    } else {
+        let _ = error.print();
+    }
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+}
 
 /// Describes an error of the argument parser; `arguments` are those of the program, without its name.
-pub fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[String]) -> UsageError {
+fn describe_usage_error<C: CommandFactory>(error: &Error, arguments: &[String]) -> UsageError {
     let verb = find_verb(&C::command(), arguments);
     let help = match &verb {
         Some(verb) => format!("wellposed {verb} --help lists the arguments"),

@@ -34,7 +34,7 @@ pub enum Slopes {
     /// around a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
     /// discontinuities.
     FourthOrder,
-    /// As [`Self::FourthOrder`] with more cells around a face: see [`super::wide_stencil`]. One medium only, and mirror
+    /// As [`Self::FourthOrder`] with more cells around a face: see `wide_stencil.rs`. One medium only, and mirror
     /// images beyond boundaries.
     Wide(WideOrder),
 }
@@ -101,7 +101,7 @@ impl Slopes {
         2 * self.ghosts()
     }
 
-    /// Whether the reconstruction reads more than four cells around a face: see [`super::wide_stencil`].
+    /// Whether the reconstruction reads more than four cells around a face: see `wide_stencil.rs`.
     pub const fn is_wide(self) -> bool {
         matches!(self, Self::Wide(_))
     }
