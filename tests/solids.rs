@@ -380,7 +380,7 @@ fn invalid_solids_are_refused_with_location_and_remedy() {
     refused(&change("shear_dilatancy = 0.05", ""), &["yield.shear_dilatancy", "missing"]);
     refused(
         &change("shear_dilatancy = 0.05", "dilatancy = 0.05"),
-        &["yield.dilatancy", "not used by the set interlayer", "drucker-prager"],
+        &["yield.dilatancy", "not used by the yield set interlayer", "drucker-prager"],
     );
     refused(
         &change("shear_friction = 0.6", "shear_friction = -1"),

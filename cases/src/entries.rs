@@ -10,6 +10,7 @@ use super::node::{Node, NodeTable, OptionError, format_segment};
 use super::schema::{CaseSchemas, SchemaScope};
 use super::section::SectionReader;
 use super::section_schemas::{EQUATION_CASE_SCHEMAS, find_foreign_section};
+use super::toml_faults::{check_bare_text, choose_syntax_remedy, has_no_value};
 use super::value::{CaseValue, describe_value, find_similar_name, format_allowed};
 use models::registry;
 use std::collections::BTreeMap;
@@ -44,9 +45,13 @@ impl<'a> CaseEntries<'a> {
         let document = DeTable::parse(text).map_err(|error| {
             let line = build_line_index(text)(error.span().map_or(0, |span| span.start));
             let content = text.lines().nth(line - 1).unwrap_or_default().trim();
+            let fault = match has_no_value(content) {
+                true => "no value".to_owned(),
+                false => escape(error.message()),
+            };
             CaseError::Syntax {
                 position: SourcePosition::Line { file: file.to_owned(), line },
-                cause: format!("{} in '{}'", escape(error.message()), escape(content)),
+                cause: format!("{fault} in '{}'", escape(content)),
                 remedy: choose_syntax_remedy(error.message(), content),
             }
         })?;
@@ -418,30 +423,6 @@ impl<'a> CaseEntries<'a> {
     }
 }
 
-/// Checks that the value of an option that is not TOML may be a text without quotes: that it does not begin like a
-/// list, a table or a quoted text. The error is the result of `refused` for the fault and the remedy.
-fn check_bare_text(
-    text: &str,
-    error: &toml::de::Error,
-    refused: impl FnOnce(&str, String) -> Result<Option<String>, CaseError>,
-) -> Result<(), CaseError> {
-    if !text.starts_with(['[', '{', '"', '\'']) {
-        return Ok(());
-    }
-    // Without the quotes that a shell has removed, the parser takes the beginning of a text for that of a literal.
-    let message = error.message();
-    let detail = if message.contains("unclosed") { format!(": {message}") } else { String::new() };
-    let found = format!("found '{}', which is not TOML{}", escape(text), escape(&detail));
-    let allowed = match text.contains(char::is_alphabetic) {
-        true => {
-            "texts in lists and tables have double quotes, which a shell keeps only inside single quotes, as in \
-             --set 'KEY=[\"text\"]'"
-        }
-        false => "close the bracket or quotation mark",
-    };
-    refused(&found, allowed.to_owned()).map(drop)
-}
-
 /// Describes the allowed values of a key, for messages.
 pub(super) fn describe_allowed_values(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
@@ -509,28 +490,6 @@ fn expect_section(name: &str) -> String {
         .map(|key| format!("{key} = …"))
         .collect();
     format!("expected a table {own} = {{ {} }}", keys.join(", "))
-}
-
-/// Chooses the remedy for a line that is not TOML, from the message of the parser and the text of the line.
-fn choose_syntax_remedy(message: &str, line: &str) -> &'static str {
-    let value = line.split_once('=').map_or("", |(_, value)| value.trim());
-    let has_decimal_comma = value.split_once(',').is_some_and(|(before, after)| {
-        before.bytes().all(|byte| byte.is_ascii_digit())
-            && after.starts_with(|c: char| c.is_ascii_digit())
-    });
-    if line.contains('=') && value.is_empty() {
-        "give a value after '=': a number, a text in quotes, a list [1, 2] or a table { key = value }"
-    } else if message.contains("duplicate key") {
-        "give each key once"
-    } else if has_decimal_comma {
-        "write a point for the decimal comma, as in 1.5e9"
-    } else if message.contains("must be quoted") && !value.is_empty() {
-        "put the text in quotes: key = \"text\""
-    } else if message.contains("unclosed") {
-        "close the bracket or quotation mark that the line opens"
-    } else {
-        "write 'key = value' or '[section]'; '#' begins a comment"
-    }
 }
 
 /// Replaces former names of sections by the current names; returns hints.

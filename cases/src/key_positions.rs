@@ -143,9 +143,10 @@ impl KeyPositions {
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        let (position, mut allowed) = (self.locate(key), allowed.into());
+        let (position, mut allowed): (_, String) = (self.locate(key), allowed.into());
         // What is missing can only be added to a copy of a bundled case.
         if let SourcePosition::File(file) = &position
+            && allowed.starts_with("add ")
             && !Path::new(file).exists()
             && let Some((path, _)) = find_bundled_case(file)
         {

@@ -43,6 +43,7 @@ pub mod schema;
 mod section;
 mod section_schemas;
 pub mod template;
+mod toml_faults;
 mod types;
 mod value;
 

@@ -67,9 +67,13 @@ impl Case {
     pub fn require_blocks(&self) -> Result<(&SolidRun, &Blocks), CaseError> {
         let found = self.solid_run.as_ref().zip(self.blocks());
         found.ok_or_else(|| {
-            let allowed = "for a blocky medium, add [[block]] with cells, size and repeat in place of [grid], and \
-                           [[joint]]; wellposed cases show instant-rotation-elastic prints one";
-            self.solid_section_error("block", allowed)
+            let allowed = "expected a blocky medium, a classical solid with [[block]] and [[joint]] in place of [grid]; \
+                           start from one: wellposed cases show instant-rotation-elastic > blocks.toml";
+            let (key, found) = match self.medium().kind {
+                kind @ ModelKind::Flow(_) => ("model.kind", format!("found '{}', a flow", kind.name())),
+                _ => ("block", "missing".to_owned()),
+            };
+            self.material.positions.key_error(key, found, allowed)
         })
     }
 

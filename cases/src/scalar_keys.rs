@@ -148,7 +148,7 @@ pub(super) fn read_numbers(
         let of_kind = media.iter().any(|medium| key.is_used_by_kind(medium.kind));
         let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yield_set) {
             (true, None) => ("an elastic solid".into(), key.yield_set_names()),
-            (true, Some(set)) => (format!("the set {}", set.name), key.yield_set_names()),
+            (true, Some(set)) => (format!("the yield set {}", set.name), key.yield_set_names()),
             (false, _) => {
                 let names: Vec<&str> = media.iter().map(|medium| medium.kind.name()).collect();
                 (format!("the model {}", names.join(", ")), key.model_names())

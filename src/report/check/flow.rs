@@ -163,10 +163,13 @@ impl FlowCheck {
         Some(SpectrumFigure {
             title: case_title(case),
             subtitle: with_parameters(
-                "the fastest growing wave of each grid: lines from the analysis, rings from the solver",
+                &format!(
+                    "grids of {} points: lines from the analysis, rings from the solver",
+                    counts.join(", ")
+                ),
                 case,
             ),
-            x_label: format!("its wave number k on {} points (1/m)", counts.join(", ")),
+            x_label: "wave number k of the fastest growing wave (1/m)".to_owned(),
             y_label: "growth rate γ (1/s)".to_owned(),
             spectra: self.refinements.iter().map(line).collect(),
             measured_points: self

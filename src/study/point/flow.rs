@@ -217,8 +217,8 @@ fn analyse_yielding_state(
         let (key, found) = find_extreme_number(case);
         let number = format_rounded(wave.wave_number);
         let allowed = format!(
-            "with this magnitude the growth rates at wave.number = {number} are too large or too small to compute; \
-             expected one that occurs in materials"
+            "with it the growth rates at wave.number = {number} are too large or too small for a computer; expected a \
+             realistic value, such as those of bundled cases"
         );
         return Err(create_range_error(key, found, &allowed).into());
     }
