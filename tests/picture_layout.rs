@@ -132,7 +132,7 @@ fn is_small(case: &Case) -> bool {
 fn texts_of_small_runs_cover_nothing() {
     let Layouts { checked, covering } = check_runs(is_small);
     assert!(covering.is_empty(), "{covering:#?}");
-    assert!(checked.len() > 20, "{checked:?}");
+    assert!(checked.len() >= 18, "{checked:?}");
 }
 
 #[test]

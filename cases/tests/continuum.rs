@@ -228,7 +228,7 @@ density = 2000
         format!("{CASE_SECTIONS}[[joint]]\nevery = 'x1'\nkind = 'elastic'\n{ELASTIC_LAYER_KEYS}");
     let wave = "[[initial]]\nkind = 'plane-wave'\nbranch = 1\nwavelength = 0.1\namplitude = 1.0\n";
     let cases: [(String, &[&str], &str, &str); 9] = [
-        (without_blocks.to_owned(), &[], "block", "add [[block]]"),
+        (without_blocks.to_owned(), &[], "block", "with [[block]] and [[joint]]"),
         (
             plain.clone(),
             &["block[0].cells=[5, 10]", "block[0].size=[0.05, 0.1]"],

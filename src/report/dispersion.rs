@@ -156,7 +156,7 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
             case,
         ),
         wave_number_label: "wave number k (1/m)".into(),
-        frequency_label: "angular frequency ω (rad/s)".into(),
+        frequency_label: "frequency ω (rad/s)".into(),
         speed_label: "speed (m/s)".into(),
         growth_label: "growth rate Re ς (1/s)".into(),
         is_wave_number_log: false,

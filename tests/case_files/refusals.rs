@@ -9,9 +9,9 @@ use wellposed::case::{Case, ModelKind, SweepParameter};
 #[rustfmt::skip]
 const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     // unknown and misspelt keys
-    ("pressure = 1000.25", "presure = 1", "11: background.presure: ", "did you mean 'pressure'? allowed here: density, "),
+    ("pressure = 1000.25", "presure = 1", "11: background.presure: ", "did you mean 'pressure'?"),
     ("shear_rate = 2", "shear_rat = 2", "13: background.shear_rat: ", "'shear_rate'"),
-    ("[background]", "[backgroud]", "9: backgroud: ", "'background'? allowed here: title, name, [model], "),
+    ("[background]", "[backgroud]", "9: backgroud: ", "did you mean 'background'?"),
     ("title =", "titel =", "1: titel: ", "'title'"),
     ("rotational_strength = 5", "density = 5", "7: model.density: ", "'background.density'"),
     ("title =", "'model.kind' = 'x'\ntitle =", "1: \"model.kind\": ", "unknown key"),
@@ -155,7 +155,7 @@ fn error_of_swept_parameter_names_the_sweep() {
 #[test]
 fn errors_in_settings_name_the_option() {
     for (set, expected) in [
-        ("background.presure=1", "background.presure: unknown key; did you mean 'pressure'? "),
+        ("background.presure=1", "background.presure: unknown key; did you mean 'pressure'?"),
         ("background.pressure=abc", "background.pressure: found the text 'abc'; expected a finite"),
         ("background.pressure=nan", "background.pressure: found nan, which is not finite"),
         ("background.pressure=", "background.pressure: found the text ''"),

@@ -24,7 +24,7 @@ fn sample_figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFi
         title: "Title".to_owned(),
         subtitle: "subtitle".to_owned(),
         wave_number_label: "wave number k (1/m)".to_owned(),
-        frequency_label: "angular frequency ω (rad/s)".to_owned(),
+        frequency_label: "frequency ω (rad/s)".to_owned(),
         speed_label: "speed (m/s)".to_owned(),
         growth_label: "growth rate Re ς (1/s)".to_owned(),
         is_wave_number_log: log,

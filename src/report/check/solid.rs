@@ -150,7 +150,7 @@ impl MediumCheck {
                 case,
             ),
             wave_number_label: "wave number k (1/m)".into(),
-            frequency_label: "angular frequency ω (rad/s)".into(),
+            frequency_label: "frequency ω (rad/s)".into(),
             speed_label: "phase speed ω/k (m/s)".into(),
             growth_label: String::new(),
             is_wave_number_log: false,
