@@ -188,27 +188,17 @@ pub(super) fn check_files(
             }),
             other => decode_summary(other, &communicator.receive_any_length(other)),
         };
-        let summary = match found {
-            Ok(summary) if failure.is_none() => summary,
-            // The messages of other ranks are received all the same.
-            Ok(_) => continue,
-            Err(error) if ranks == 1 => return Err(error),
-            Err(error) => {
-                failure.get_or_insert(error);
-                continue;
-            }
-        };
-        let text = format!("{:<56} {}", path.display().to_string(), summary.text);
-        progress.hide_during(|| {
-            for hint in &summary.hints {
-                // A closed standard error is ignored.
-                let _ = writeln!(std::io::stderr(), "warning: {hint}");
-            }
-        });
-        if options.format == OutputFormat::Text && !options.only_disagreeing {
-            progress.hide_during(|| writeln!(stdout, "{text}").and_then(|()| stdout.flush()))?;
+        if failure.is_some() {
+            continue;
         }
-        summaries.push(CaseCheckSummary { text, ..summary });
+        let printed = found
+            .and_then(|own| progress.hide_during(|| print_summary(options, path, own, stdout)));
+        match printed {
+            Ok(summary) => summaries.push(summary),
+            Err(error) if ranks == 1 => return Err(error),
+            // Other ranks end only after all of their messages are received.
+            Err(error) => failure = Some(error),
+        }
     }
     if let Some(error) = failure {
         return Err(error);
@@ -233,6 +223,29 @@ pub(super) fn check_files(
         return Err(CommandError::UnreadableCases { unreadable_count, total_count });
     }
     fail_on_disagreement(failed, all, "cases")
+}
+
+/// Prints the hints on a case of a folder and, unless the whole output follows later, its line, which is returned as text
+/// of the summary.
+///
+/// # Errors
+/// Standard output cannot be written.
+fn print_summary(
+    options: &Options,
+    path: &Path,
+    summary: CaseCheckSummary,
+    stdout: &mut dyn Write,
+) -> Result<CaseCheckSummary, CommandError> {
+    let text = format!("{:<56} {}", path.display().to_string(), summary.text);
+    for hint in &summary.hints {
+        // A closed standard error is ignored.
+        let _ = writeln!(std::io::stderr(), "warning: {hint}");
+    }
+    if options.format == OutputFormat::Text && !options.only_disagreeing {
+        writeln!(stdout, "{text}")?;
+        stdout.flush()?;
+    }
+    Ok(CaseCheckSummary { text, ..summary })
 }
 
 /// Checks one case of a folder by `check`. A case that cannot be read or checked is no error.
@@ -421,4 +434,43 @@ fn collect_case_files(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Out
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dynamics::decomposition::communicator::ThreadRank;
+    use std::io;
+
+    /// Standard output on a full disk.
+    struct FullDisk;
+
+    impl Write for FullDisk {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::StorageFull.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn all_messages_are_received_after_a_failed_write() {
+        let files: Vec<PathBuf> = (0..7).map(|own| format!("absent-{own}.toml").into()).collect();
+        let check = |rank: &ThreadRank| {
+            let pool = create_thread_pool(Some(1)).expect("a thread");
+            let found = check_files(&Options::default(), &files, &pool, rank, &mut FullDisk);
+            let is_failed = matches!(found, Err(CommandError::Stdout(_)));
+            assert_eq!((is_failed, found.is_ok()), (rank.is_root(), !rank.is_root()));
+            // These are the first messages not received yet.
+            assert_eq!(rank.gather_to_all(vec![rank.rank() as u8]), [[0], [1], [2]]);
+        };
+        std::thread::scope(|scope| {
+            for rank in ThreadRank::create_all(3) {
+                let check = &check;
+                scope.spawn(move || check(&rank));
+            }
+        });
+    }
 }
