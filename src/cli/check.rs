@@ -21,6 +21,7 @@ use crate::study;
 use crate::study::check::{CheckExtent, CheckOutcome, CheckResult};
 use dynamics::decomposition::communicator::{Communicator, SingleProcess};
 use rayon::ThreadPool;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -280,43 +281,29 @@ fn check_file(
 /// Key of the largest error in the JSON of a case.
 const GREATEST_DIFFERENCE: &str = "greatest_difference";
 
+/// Message on the check of a case: its summary with the bits of its largest error, which JSON does not keep; or the error.
+type CaseCheckMessage = Result<(CaseCheckSummary, u64), String>;
+
 /// Encodes the summary of a case, or the error of its check, for the root.
 fn encode_summary(found: Result<CaseCheckSummary, CommandError>) -> Vec<u8> {
-    let message = match found {
-        Ok(own) => json!({
-            "text": own.text,
-            "json": own.json,
-            "agrees": own.is_in_agreement,
-            // JSON does not keep all bits of a number.
-            "error": own.error.to_bits(),
-            "hints": own.hints,
-            "is_unreadable": own.is_unreadable,
-        }),
-        Err(error) => json!({ "failure": error.to_string() }),
+    let with_bits = |own: CaseCheckSummary| {
+        let bits = own.error.to_bits();
+        (own, bits)
     };
-    message.to_string().into_bytes()
+    let message: CaseCheckMessage = found.map(with_bits).map_err(|error| error.to_string());
+    json!(message).to_string().into_bytes()
 }
 
 /// Decodes a message of [`encode_summary`] from a rank.
 fn decode_summary(rank: usize, message: &[u8]) -> Result<CaseCheckSummary, CommandError> {
-    let mut message: Value = serde_json::from_slice(message).unwrap_or_default();
-    if let Some(cause) = message["failure"].as_str() {
-        return Err(RankError::OtherRank { rank, cause: cause.to_owned() }.into());
+    let message: CaseCheckMessage = serde_json::from_slice(message)
+        .unwrap_or_else(|error| Err(format!("its message on a case cannot be read: {error}")));
+    let (own, bits) = message.map_err(|cause| RankError::OtherRank { rank, cause })?;
+    let mut summary = CaseCheckSummary { error: f64::from_bits(bits), ..own };
+    if summary.json[GREATEST_DIFFERENCE].is_number() {
+        summary.json[GREATEST_DIFFERENCE] = json!(summary.error);
     }
-    let error = f64::from_bits(message["error"].as_u64().unwrap_or_default());
-    let mut json = message["json"].take();
-    if json[GREATEST_DIFFERENCE].is_number() {
-        json[GREATEST_DIFFERENCE] = json!(error);
-    }
-    let hints = message["hints"].as_array().into_iter().flatten();
-    Ok(CaseCheckSummary {
-        text: message["text"].as_str().unwrap_or_default().to_owned(),
-        json,
-        is_in_agreement: message["agrees"].as_bool(),
-        error,
-        hints: hints.filter_map(|hint| Some(hint.as_str()?.to_owned())).collect(),
-        is_unreadable: message["is_unreadable"] == true,
-    })
+    Ok(summary)
 }
 
 /// Estimates the wall time of the check of a folder, s, as the sum over its cases.
@@ -344,12 +331,14 @@ fn estimate_folder(
 }
 
 /// Result of the check of one case of a folder, as a line of text and as JSON.
+#[derive(Debug, Serialize, Deserialize)]
 struct CaseCheckSummary {
     text: String,
     json: Value,
     /// Whether all measurements of the case agree; false for an invalid case; `None` if no solver supports the case.
     is_in_agreement: Option<bool>,
     /// Largest relative error; infinite for an invalid case.
+    #[serde(skip)]
     error: f64,
     /// Hints on former names in the case.
     hints: Vec<String>,
@@ -472,5 +461,29 @@ mod tests {
                 scope.spawn(move || check(&rank));
             }
         });
+    }
+
+    #[test]
+    fn messages_keep_all_bits_and_malformed_ones_are_errors() {
+        let error = 0.1 + 0.2;
+        let summary = CaseCheckSummary {
+            text: "line".into(),
+            json: json!({ "case": "a", GREATEST_DIFFERENCE: error }),
+            is_in_agreement: Some(true),
+            error,
+            hints: vec!["hint".into()],
+            is_unreadable: false,
+        };
+        let message = encode_summary(Ok(summary));
+        let found = decode_summary(1, &message).expect("a summary");
+        assert_eq!((found.error, found.json[GREATEST_DIFFERENCE].as_f64()), (error, Some(error)));
+        assert_eq!((found.text.as_str(), found.hints.len()), ("line", 1));
+        for malformed in [&b""[..], b"{}", &message[1..]] {
+            let found = decode_summary(2, malformed).expect_err("malformed").to_string();
+            assert!(found.starts_with("rank 2: its message on a case cannot be read"), "{found}");
+        }
+        let failure = encode_summary(Err(RankError::Ended { exit_code: 2 }.into()));
+        let found = decode_summary(3, &failure).expect_err("a failure").to_string();
+        assert_eq!(found, "rank 3: rank 0 has ended the run");
     }
 }
