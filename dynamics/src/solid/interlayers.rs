@@ -173,7 +173,7 @@ pub enum PlaneLaws {
     /// The same law in all faces.
     Uniform(u16),
     /// Runs of faces with the same law, other axes in ascending order, first one fastest: end of the run and law, `None`
-    /// without interlayer. Joints of large blocks take few runs.
+    /// without interlayer. The ends ascend, and no run is empty. Joints of large blocks take few runs.
     Runs(Vec<(usize, Option<u16>)>),
 }
 
@@ -307,6 +307,13 @@ impl Interlayers {
             let is_valid = match &plane.laws {
                 PlaneLaws::Uniform(law) => is_known(*law),
                 PlaneLaws::Runs(runs) => {
+                    if !runs.is_sorted_by(|one, next| one.0 < next.0)
+                        || runs.first().is_some_and(|first| first.0 == 0)
+                    {
+                        return Err(
+                            "the ends of the runs of faces in a plane must ascend from zero",
+                        );
+                    }
                     runs.last().is_some_and(|last| last.0 == faces)
                         && runs.iter().filter_map(|own| own.1).all(is_known)
                 }

@@ -522,5 +522,20 @@ fn invalid_interlayers_are_refused() {
         let faces = own.grid.faces(own.interlayers[0].axis);
         own.interlayers[0].planes[0].laws = PlaneLaws::from_runs([(faces, Some(9))]);
     }));
+    // Ends of runs that do not ascend.
+    assert!(is_refused(|own| {
+        let faces = own.grid.faces(own.interlayers[0].axis);
+        own.interlayers[0].planes[0].laws =
+            PlaneLaws::Runs(vec![(faces + 1, None), (1, Some(0)), (faces, None)]);
+    }));
+    assert!(is_refused(|own| {
+        let faces = own.grid.faces(own.interlayers[0].axis);
+        own.interlayers[0].planes[0].laws =
+            PlaneLaws::Runs(vec![(2, None), (2, Some(0)), (faces, None)]);
+    }));
+    assert!(is_refused(|own| {
+        let faces = own.grid.faces(own.interlayers[0].axis);
+        own.interlayers[0].planes[0].laws = PlaneLaws::Runs(vec![(0, Some(0)), (faces, None)]);
+    }));
     assert!(is_refused(|own| own.scheme.splitting = Splitting::Alternating));
 }
