@@ -124,11 +124,12 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Returns whether the folder contains results of another case, which may be removed because of `--force`.
+    /// Returns whether the folder contains results of another case or program version, which may be removed because of
+    /// `--force`.
     ///
     /// # Errors
     /// The folder contains other results, and `force` is not set.
-    fn has_foreign_results(&self) -> Result<bool, OutputError> {
+    pub fn has_foreign_results(&self) -> Result<bool, OutputError> {
         match overwrite_refusal_reason(
             &self.path,
             &self.case_toml,

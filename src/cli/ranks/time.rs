@@ -11,7 +11,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Runs the verb `time` on several ranks: measures steps of a blocky medium with each number of blocks on them. The table
-/// in the results folder keeps its rows of other numbers of ranks, if they are of as many steps and threads.
+/// in the results folder keeps its rows of other numbers of ranks, if they are of the same case and program version and of
+/// as many steps and threads.
 ///
 /// # Errors
 /// Those of [`run_time`](crate::cli::run_time); numbers of ranks are given; or ranks have another program or case.
@@ -43,7 +44,10 @@ pub fn run_time_on_ranks(
         let Some(prepared) = prepared? else { return Ok(()) };
         let found = time_blocks_on_ranks(&prepared.media, communicator, (agreed?, steps))?;
         let Some(mut found) = found else { return Ok(()) };
-        if let Some(earlier) = read_table(prepared.folder.path()) {
+        // With `--force` the folder may hold the table of another case.
+        if !prepared.folder.has_foreign_results()?
+            && let Some(earlier) = read_table(prepared.folder.path())
+        {
             found.add_earlier_rows(earlier);
         }
         write_report(&found, &prepared.case, &prepared.folder, options, stdout)
