@@ -430,13 +430,10 @@ fn execute_on_ranks(
 
 fn execute_verb(verb: Verb) -> Result<(), CommandError> {
     let mut stdout = std::io::stdout().lock();
-    let works_on_ranks = match &verb {
-        Verb::Run { .. } | Verb::Resume { .. } | Verb::Map { .. } | Verb::Time { .. } => true,
-        Verb::Check { arguments, .. } => arguments.case_path.is_dir(),
-        _ => false,
-    };
-    if !works_on_ranks {
-        ranks::require_single_process()?;
+    match &verb {
+        Verb::Run { .. } | Verb::Resume { .. } | Verb::Map { .. } => {}
+        Verb::Time { .. } | Verb::Check { .. } => {}
+        _ => ranks::require_single_process()?,
     }
     match verb {
         Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {
@@ -513,13 +510,10 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         }
         Verb::Check { arguments, only_disagreeing } => {
             let options = Options { only_disagreeing, ..arguments.into() };
-            if !options.case_path.is_dir() {
-                return cli::run_check(&options, &mut stdout);
-            }
             execute_on_ranks(
                 &mut stdout,
                 |stdout| cli::run_check(&options, stdout),
-                |communicator, stdout| ranks::check_folder_on_ranks(&options, communicator, stdout),
+                |communicator, stdout| ranks::run_check_on_ranks(&options, communicator, stdout),
             )?;
         }
         Verb::Compare { first, second, output_folder, format, force, is_dry_run, pictures } => {

@@ -212,6 +212,7 @@ fn wrong_set_ups_end_with_one_message() {
             "point case.toml",
             "works in one process, and the launcher has started 2",
         );
+        check(&launcher, 2, "check case.toml", "the launcher has started 2; start it without");
         check(&launcher, 2, "run absent.toml", "absent.toml");
         check(&launcher, 2, "run --no-such-option", "--no-such-option");
         let full = "run case.toml --set scheme.ledger=\"full\"";
@@ -239,6 +240,21 @@ fn wrong_set_ups_end_with_one_message() {
             let (_, errors) = check_output(2, output, other);
             assert!(errors.len() == 1 && errors[0].contains(part), "{errors:?}");
         }
+        // Rank 1 does not see the folder of cases that rank 0 sees, or sees one where rank 0 has a case.
+        fs::create_dir_all(folder.join("cases")).unwrap();
+        fs::write(folder.join("cases/case.toml"), solid_case()).unwrap();
+        for (own, other, part) in [
+            ("cases", "absent", "rank 1: absent: "),
+            ("cases", "case.toml", "rank 1: case.toml: "),
+            ("case.toml", "cases", "works in one process, and the launcher has started 2"),
+        ] {
+            let mut command = launcher.create_command(&folder, 1, &format!("check {own}"));
+            command.args([":", "-n", "1", PROGRAM_PATH, "check", other]);
+            let (_, errors) = check_output(2, wait_for_end(command.spawn().unwrap()), other);
+            assert!(errors.len() == 1 && errors[0].contains(part), "{errors:?}");
+        }
+        // One rank checks a case as without a launcher.
+        launcher.run_with_exit_code(0, &folder, 1, "check case.toml --dry-run");
         assert!(!folder.join("out").exists());
     }
 }

@@ -1,7 +1,7 @@
 //! Check of a folder of cases on several ranks, which check the cases in turn. The root prints.
 
-use super::{agree, await_beginning, end_together, require_all_ranks};
-use crate::cli::check::{check_files, list_case_files, plan_folder_check};
+use super::{RankError, agree, await_beginning, end_together, require_all_ranks};
+use crate::cli::check::{check_files, list_case_files, plan_folder_check, run_check};
 use crate::cli::folder::OutputError;
 use crate::cli::options::create_thread_pool;
 use crate::cli::{CommandError, Options};
@@ -10,19 +10,26 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Runs the verb `check` on all cases in a folder on several ranks. The output is that of one process.
+/// Runs the verb `check` on all cases in a folder on several ranks. The output is that of one process. All ranks call it,
+/// whatever they find at the path of the folder: rank 0 decides whether the path is that of a single case.
 ///
 /// # Errors
-/// Those of [`run_check`](crate::cli::run_check); or ranks have another program or other cases.
-pub fn check_folder_on_ranks(
+/// Those of [`run_check`]; a single case is to be checked on several ranks; or ranks have another program or other cases.
+pub fn run_check_on_ranks(
     options: &Options,
     communicator: &Arc<dyn Communicator>,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
     end_together(communicator, || {
-        let threads = options.thread_count;
-        let prepared = list_case_files(&options.case_path)
-            .and_then(|files| read_all(&files).map(|content| (files, content)));
+        let (threads, count) = (options.thread_count, communicator.size());
+        if count == 1 {
+            return run_check(options, stdout);
+        }
+        let prepared = match communicator.is_root() && !options.case_path.is_dir() {
+            true => Err(RankError::SingleProcessVerb { count: Some(count) }.into()),
+            false => list_case_files(&options.case_path)
+                .and_then(|files| read_all(&files).map(|content| (files, content))),
+        };
         let (files, threads) = match communicator.is_root() {
             false => {
                 let content = prepared.as_ref().map(|own| own.1.clone());

@@ -11,7 +11,7 @@ mod recorder;
 mod time;
 mod waiting;
 
-pub use check::check_folder_on_ranks;
+pub use check::run_check_on_ranks;
 pub use map::run_map_on_ranks;
 pub(super) use recorder::RankRecorder;
 pub use time::run_time_on_ranks;
