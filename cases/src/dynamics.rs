@@ -254,10 +254,13 @@ impl SolidRun {
             false => grid.is_polar().then_some("polar grids"),
         };
         let is_narrow = grid.cells.iter().any(|cells| *cells < MIN_CELLS_OF_HIGH_ORDER);
+        let is_open =
+            conditions.iter().any(|own| own.condition == BoundaryConditionKind::NonReflecting);
         let narrow_cause = match grid.is_polar() {
             true => Some("polar grids"),
             false if blocks.is_some() => Some("grids of blocks"),
             false if !regions.is_empty() => Some("regions of other solids"),
+            false if is_open => Some("non-reflecting sides, which would return short waves,"),
             false => is_narrow.then_some("grids of fewer than 4 cells along an axis"),
         };
         let causes = (yields, two_cyclic_cause, has_contacts, narrow_cause);

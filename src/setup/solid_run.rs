@@ -320,6 +320,7 @@ pub(crate) fn locate_domain_error(solid_run: &SolidRun, error: &DomainError) -> 
         DomainError::OutOfMemory { .. } => "grid.cells",
         DomainError::Interlayers { .. } => "joint",
         DomainError::Contacts(_) => "scheme",
+        DomainError::WideStencil(_) => "scheme.order",
         DomainError::PartCounts { .. } => "parallel.parts",
         DomainError::RankCount { .. } if solid_run.part_counts.is_some() => "parallel.parts",
         _ => "grid",

@@ -49,6 +49,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("[time]\nduration = 0.25\ncourant = 0.9\n", "", ": time: missing; add a section [time] with duration in s"),
         ("'godunov'", "'godunow'", "27: scheme.order: found 'godunow'; did you mean 'godunov'? allowed: fourth-order, eno2, godunov"),
         ("'godunov'", "2", "27: scheme.order: found 2; expected one of fourth-order, sixth-order, eighth-order, eno2, godunov"),
+        ("'godunov'", "'sixth-order'", "27: scheme.order: found 'sixth-order'; expected 'fourth-order' or 'eno2' or 'godunov': regions of other solids allow no other"),
         // grid
         ("cells = [20, 10]", "cells = [20, 10, 5, 3]", "20: grid.cells: found [20, 10, 5, 3]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
         ("cells = [20, 10]", "cells = [20, 0]", "20: grid.cells: found [20, 0]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
@@ -158,6 +159,16 @@ fn time_domain_runs_need_a_solid_and_a_grid() {
              [[boundary]]\nside = 'x1+'\nkind = 'free'\nfrom = [0, 0]\nto = [1, 1]\n",
             "boundary[2].side: found a part of x1+, which is periodic; leave the part out: a side is \
              periodic as a whole",
+        ),
+        (
+            "[scheme]\norder = 'sixth-order'\n",
+            "scheme.order: found 'sixth-order'; expected 'fourth-order' or 'eno2' or 'godunov': grids of fewer \
+             than 4 cells along an axis allow no other",
+        ),
+        (
+            "[scheme]\norder = 'eighth-order'\n[[boundary]]\nside = 'x1-'\nkind = 'non-reflecting'\n",
+            "scheme.order: found 'eighth-order'; expected 'fourth-order' or 'eno2' or 'godunov': non-reflecting \
+             sides, which would return short waves, allow no other",
         ),
         (
             "side = 3\n",

@@ -58,7 +58,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"fourth-order\"",
-            "spatial reconstruction of characteristic waves: eno2 is limited, for discontinuities, the others are linear; sixth-order and eighth-order need fewer cells per wavelength at a small Courant number, and one solid on a uniform grid; default: eno2 if any medium yields or has contacts, otherwise fourth-order",
+            "spatial reconstruction of characteristic waves: eno2 is limited, for discontinuities, the others are linear; sixth-order and eighth-order need fewer cells per wavelength at a small Courant number, and one solid on a uniform grid without non-reflecting sides; default: eno2 if any medium yields or has contacts, otherwise fourth-order",
         ),
         KeySchema::new_with_default(
             "correction",

@@ -74,6 +74,17 @@ impl Boundary {
         Self::ByPair(medium.pairs[axis].iter().map(|pair| condition(pair.velocity)).collect())
     }
 
+    /// Whether any face is non-reflecting, for any wave pair.
+    pub(crate) fn has_open_faces(&self) -> bool {
+        let is_open = |own: &Condition| *own == Condition::NonReflecting;
+        match self {
+            Self::Periodic | Self::Fixed | Self::Free => false,
+            Self::NonReflecting => true,
+            Self::ByPair(conditions) => conditions.iter().any(is_open),
+            Self::ByFace(conditions) => conditions.iter().flatten().any(is_open),
+        }
+    }
+
     /// Returns the condition of a wave pair on a face; `None` on periodic boundaries.
     pub(crate) fn condition(&self, pair: usize, face: usize) -> Option<Condition> {
         Some(match self {

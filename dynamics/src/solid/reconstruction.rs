@@ -34,8 +34,8 @@ pub enum Slopes {
     /// around a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
     /// discontinuities.
     FourthOrder,
-    /// As [`Self::FourthOrder`] with more cells around a face: see `wide_stencil.rs`. One medium only, and mirror
-    /// images beyond boundaries.
+    /// As [`Self::FourthOrder`] with more cells around a face: see `wide_stencil.rs`. One medium only, mirror images
+    /// beyond boundaries, and no non-reflecting ones.
     Wide(WideOrder),
 }
 

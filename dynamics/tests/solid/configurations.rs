@@ -9,6 +9,7 @@ use crate::support::interlayers::{random_interlayers, set_shear_interval};
 use crate::support::media::{cubic_compliances, scaled_isotropic};
 use crate::support::noise;
 use crate::support::random::NoiseSequence;
+use crate::wide_stencil::with_wide_stencil;
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::parameters::Theory;
 use models::solid::stress::Stress;
@@ -258,19 +259,13 @@ pub fn random_problem_with_media<const D: usize>(
     problem
 }
 
-/// Creates a random problem with a wide stencil: the first medium of a random problem, without interlayers, where lines
-/// are long enough.
+/// Creates a random problem with a wide stencil, where lines are long enough.
 fn random_wide_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     let order = random.choose(&[WideOrder::Sixth, WideOrder::Eighth]);
     loop {
-        let mut problem: Problem<D> = random_problem(random);
+        let problem: Problem<D> = random_problem(random);
         if problem.grid.cells.iter().all(|cells| *cells >= 4) {
-            problem.media.truncate(1);
-            problem.cell_media.fill(0);
-            problem.interlayers.clear();
-            problem.metric = None;
-            problem.scheme.slopes = Slopes::Wide(order);
-            return problem;
+            return with_wide_stencil(problem, order);
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use crate::support::media::{classical, cosserat, cubic_compliances};
 use crate::support::random::NoiseSequence;
+use crate::wide_stencil::with_wide_stencil;
 use models::solid::parameters::{Isotropic, Microrotation};
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet, Mises};
@@ -117,23 +118,24 @@ fn random_domain<T: SolverReal, const D: usize>(
         _ => [0, 1].map(|_| random_boundary(&mut random, &media[0], axis)),
     });
     let courant = [0.3, 0.7, 0.9, 1.0][random.uniform_index(4)];
-    let mut scheme = Scheme {
+    let scheme = Scheme {
         splitting: [Splitting::TwoCyclic, Splitting::Alternating][random.uniform_index(2)],
         ..Scheme::new(
             [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][random.uniform_index(3)],
             [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection][random.uniform_index(2)],
         )
     };
-    if let Some(order) = wide {
-        scheme.slopes = Slopes::Wide(order);
-    }
     let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     let step = 2.0 * courant * 0.1 / speed;
     let cell_media = (0..grid.count()).map(|_| random.uniform_index(media.len()) as u16).collect();
     let (kind, size) = (random.uniform_index(3), [1e-6, 1.0, 1e6][random.uniform_index(3)]);
+    let mut problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
+    if let Some(order) = wide {
+        problem = with_wide_stencil(problem, order);
+    }
+    let (boundaries, scheme) = (&problem.boundaries, problem.scheme);
     let description =
         format!("{number}: {cells:?}, {boundaries:?}, courant {courant}, {scheme:?}, kind {kind}");
-    let problem = Problem::new(grid, media, cell_media, boundaries, step, scheme);
     let mut domain = Domain::new(&problem).expect("sound");
     for field in domain.fields().to_vec() {
         let values: Vec<T> = (0..grid.count())

@@ -107,7 +107,8 @@ impl<const D: usize> Problem<D> {
     }
 
     /// Checks that a problem with a wide stencil has nothing that would change the medium or the cell length within a
-    /// stencil, and that lines are as long as their ghosts.
+    /// stencil, that lines are as long as their ghosts, and that all sides have mirror images: zeros beyond a
+    /// non-reflecting side would return short waves, since a wide stencil reads the outgoing wave there too.
     fn check_wide_stencil(&self) -> Result<(), DomainError> {
         let slopes = self.scheme.slopes;
         if !slopes.is_wide() {
@@ -119,6 +120,9 @@ impl<const D: usize> Problem<D> {
         }
         if self.grid.cells.iter().any(|cells| *cells < slopes.ghosts()) {
             return refuse("an axis has fewer cells than its stencil beside a boundary");
+        }
+        if self.boundaries.iter().flatten().any(Boundary::has_open_faces) {
+            return refuse("a side is non-reflecting");
         }
         Ok(())
     }
