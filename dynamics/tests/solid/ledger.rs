@@ -2,6 +2,7 @@
 
 use crate::support::media::{THEORIES, isotropic};
 use crate::support::noise;
+use crate::wide_stencil::with_wide_stencil;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
-use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::line::{Slopes, WideOrder};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
@@ -171,6 +172,20 @@ fn check_ledger(steps: fn(Theory) -> usize) {
             let found = max_ledger_residual::<f64>(&problem, steps(theory));
             println!("{theory:?} {:?}: {found:e}", problem.scheme);
             assert!(found < 1e-12, "{theory:?} {:?}: {found:e}", problem.scheme);
+        }
+    }
+}
+
+/// Verifies the ledger with sixth and eighth order, in one yielding solid between sides that are not non-reflecting.
+#[test]
+fn ledger_closes_with_wide_stencils() {
+    for order in [WideOrder::Sixth, WideOrder::Eighth] {
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+            let own = problem_with_all_loads(Theory::Cosserat, cone_yield_set(0.0), plastic_step);
+            let problem = with_default_time_steps(with_wide_stencil(own, order));
+            let found = max_ledger_residual::<f64>(&problem, 1000);
+            println!("{order:?} {plastic_step:?}: {found:e}");
+            assert!(found < 1e-12, "{order:?} {plastic_step:?}: {found:e}");
         }
     }
 }

@@ -4,6 +4,7 @@
 use crate::blocks::random_block_problem;
 use crate::contacts::granular;
 use crate::decomposition::{random_problem_of_solids, solids_in_theory, two_solids};
+use crate::wide_stencil::with_wide_stencil;
 use models::solid::parameters::Theory;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +12,7 @@ use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::decomposition::communicator::{Communicator, SingleProcess, ThreadRank};
 use wellposed_dynamics::decomposition::{DecomposedDomain, RankCounts, RankPlan};
-use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::line::{Slopes, WideOrder};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 
@@ -106,6 +107,10 @@ fn planned_messages_are_those_of_a_run() {
         let mut problem = create(&[PERIODIC, FREE], [40, 50]);
         problem.scheme.splitting = Splitting::Alternating;
         compare_messages::<f64, 2>(&problem, 6, 1);
+        // Three and four ghost cells.
+        for order in [WideOrder::Sixth, WideOrder::Eighth] {
+            compare_messages::<f64, 2>(&with_wide_stencil(problem.clone(), order), 4, 1);
+        }
     }
     for solids in media(Theory::Classical) {
         let mut problem = random_problem_of_solids(
