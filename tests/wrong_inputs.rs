@@ -115,10 +115,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 92] = [
     ),
     (
         "map noncoaxiality-bound --set map.x.parameter=model.fricton",
-        &[
-            "map.x.parameter: found 'model.fricton'; ",
-            "did you mean 'model.friction_angle_deg'?",
-        ],
+        &["map.x.parameter: found 'model.fricton'; ", "did you mean 'model.friction_angle_deg'?"],
     ),
     (
         "map noncoaxiality-bound --set map.x.parameter=background.velocity",
