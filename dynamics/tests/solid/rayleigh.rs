@@ -199,18 +199,21 @@ fn rayleigh_wave_errors_are_bounded_along_every_boundary() {
 }
 
 /// Verifies for a Rayleigh wave with mirror images beyond the free boundary, which have a kink there, that wide stencils
-/// have a bounded error that falls at more than first order.
+/// have a bounded error that falls at more than first order. Measured with 20 and 40 cells: sixth order 0.045 and 0.014 at
+/// a side across x2, 0.054 and 0.021 across x1; eighth order 0.039 and 0.013, 0.050 and 0.020. The kink, not the order of
+/// the stencil, limits them. Both ends of an axis give the same errors, so that only the upper one is tested.
 #[test]
 fn rayleigh_wave_errors_are_bounded_with_wide_stencils() {
     for order in [WideOrder::Sixth, WideOrder::Eighth] {
-        for orientation in ORIENTATIONS {
+        for orientation in ORIENTATIONS.into_iter().filter(|own| own.is_upper) {
             let slopes = Slopes::Wide(order);
             let errors = [20, 40].map(|cells| {
                 let resolution = (cells, COURANT_NUMBER);
                 rayleigh_error(resolution, orientation, Splitting::Alternating, slopes)
             });
             println!("{order:?}, {}: {errors:?}", orientation.normal_axis + 1);
-            assert!(errors[1] < 0.03 && errors[1] < 0.45 * errors[0], "{errors:?}");
+            assert!(errors[0] < 0.06 && errors[1] < 0.023, "{errors:?}");
+            assert!(errors[1] < 0.45 * errors[0], "{errors:?}");
         }
     }
 }
