@@ -237,7 +237,7 @@ fn waves_outside_floating_point_range_are_refused() {
         let error = cli::run_point(&options, &mut std::io::sink()).unwrap_err();
         assert_eq!(error.exit_code(), 2, "{set}");
         let text = error.to_string();
-        let is_explained = text.contains("to compute") || text.contains("range of doubles");
+        let is_explained = text.contains("for a computer") || text.contains("range of doubles");
         assert!(is_explained, "{set}: {text}");
     }
 }

@@ -165,7 +165,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 92] = [
         "point noncoaxiality-bound --set background.pressure=[1,",
         &[
             "background.pressure: found '[1,', which is not TOML: unclosed array",
-            "which a shell keeps only inside single quotes",
+            "close the bracket or quotation mark",
         ],
     ),
     (
