@@ -445,7 +445,7 @@ const WRONG_INPUTS: [(&str, &[&str]); 92] = [
     ),
     // Folders.
     ("resume empty.toml", &["empty.toml: a file, not a folder; ", "results of wellposed run"]),
-    ("plot nothing", &["nothing: no such folder; ", "results of wellposed run"]),
+    ("plot nothing", &["nothing: no such folder; ", "results of wellposed map, "]),
     ("verify nothing", &["nothing: no such folder; ", "results of a command, such as out/"]),
     ("compare nothing .", &["nothing: no such folder; ", "results of wellposed run"]),
     (
