@@ -226,6 +226,28 @@ mod tests {
         }
     }
 
+    /// Coefficients rounded by a part δ move a root of multiplicity m by about (δ |p| / |p⁽ᵐ⁾ / m!|)^(1/m).
+    #[test]
+    fn multiple_and_close_roots_are_as_good_as_their_coefficients() {
+        let c = |re| Complex64::new(re, 0.0);
+        for (wanted, tolerance) in [
+            (vec![c(1.0); 2], 1e-7),
+            (vec![c(1.0), c(1.0), c(1.0), c(-2.0)], 3e-5),
+            (vec![c(1.0), c(1.0 + 1e-6), c(-2.0)], 1e-8),
+        ] {
+            let found = solve(&expand_product(&wanted));
+            for near in found
+                .iter()
+                .map(|f| wanted.iter().map(|w| (f - w).modulus()).fold(f64::MAX, f64::min))
+            {
+                assert!(near < tolerance, "{wanted:?}: {found:?}");
+            }
+            for w in &wanted {
+                assert!(found.iter().any(|f| (f - w).modulus() < tolerance), "{w}: {found:?}");
+            }
+        }
+    }
+
     #[test]
     fn extended_coefficients_resolve_close_roots() {
         // (x − 1)(x − 1 − 2⁻⁴⁰): the coefficients need more than 53 bits.

@@ -4,8 +4,7 @@
 //! x − Ch, gives the time-averaged wave exactly for polynomials of degree W − 1. In one medium the energy of no wave
 //! grows for Courant numbers 0 ≤ C ≤ 1 (Strang 1962). Beyond a symmetry plane, and at a free or fixed boundary without
 //! load, the arriving wave and its mirror images are a wave in a line without boundary, so that the sweep gains no energy
-//! there either. At non-reflecting boundaries ghosts are zero: the line without boundary is swept, and what left it is set
-//! to zero.
+//! there either. Non-reflecting boundaries are refused: beside ghosts that are zero a leaving wave would return short waves.
 
 use super::cell::CellConstants;
 use super::line::{SweepAccount, advance};
