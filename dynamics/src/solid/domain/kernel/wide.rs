@@ -8,6 +8,10 @@ use crate::solid::reconstruction::WideOrder;
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
 use crate::solid::wide_stencil::{face_weights, interface_state};
 
+/// Number of groups whose invariants a sweep keeps: the stencil moves along them, and only at their end are the last W − 1
+/// of them copied to the front.
+const WINDOW: usize = 64;
+
 /// Kernel: sweep of all lines with W groups around a face.
 struct WideKernel<'a, 'b, T: Real, const W: usize>(&'a mut SweepLines<'b, T>);
 
@@ -51,53 +55,63 @@ impl<T: Real> SweepLines<'_, T> {
         let (half, wave, path) = (W / 2, &self.waves[index], self.path);
         let offsets = self.field_offsets::<PASSIVE>(index, PASSIVE);
         let cell: CellConstants<V> = CellConstants::load(self.table.constants(0, wave));
-        let weights: [V; W] = face_weights(cell.half_courant + cell.half_courant);
+        // A copy by constant indices, which the compiler keeps in registers.
+        let computed_weights: [V; W] = face_weights(cell.half_courant + cell.half_courant);
+        let mut weights = [V::ZERO; W];
+        for place in 0..W {
+            weights[place] = computed_weights[place];
+        }
         let ratios: [V; PASSIVE] = self.load_ratios(0, wave);
         let distances = [self.prefetch_l1_distance, self.pitch];
+        // Invariants of the last W − 1 groups, then of the groups that are loaded next.
+        let mut window = [RiemannInvariants::<V>::ZERO; WINDOW];
         for line in 0..lines {
             let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
             let slot = (line * self.waves.len() + index) * (half - 1);
-            // Invariants of the groups around the face, the last one still missing.
-            let mut groups = [RiemannInvariants::<V>::ZERO; W];
             let mut lower_face = InterfaceState::riemann_equal_impedance([V::ZERO; 2]);
             // A line starts with its lowest face, which has ghosts below it and updates no cell.
             let loaded = if self.is_line_start { W - 1 } else { half };
             if !self.is_line_start {
                 let carried = self.carried[slot..][..half - 1].iter();
-                for (own, state) in groups.iter_mut().zip(carried.map(CarriedState::<V>::load)) {
+                for (own, state) in window.iter_mut().zip(carried.map(CarriedState::<V>::load)) {
                     *own = state.carried_invariants;
                     lower_face = state.lower_face;
                 }
             }
             for place in 0..loaded {
                 let state: State<V> = self.load_state(&offsets, path[place].start + offset.start);
-                groups[W - 1 - loaded + place] = RiemannInvariants::from_state(state, &cell);
+                window[W - 1 - loaded + place] = RiemannInvariants::from_state(state, &cell);
             }
-            for place in loaded..path.len() {
-                let next: State<V> = load_next::<T, V, PASSIVE>(
-                    self.field_data,
-                    &offsets,
-                    distances,
-                    path[place].start + offset.start,
-                );
-                groups[W - 1] = RiemannInvariants::from_state(next, &cell);
-                let upper_face = interface_state(&groups, &weights);
-                let group = &mut self.field_data[path[place - half].start + offset.start..]
-                    [..offsets.extent];
-                let before = State {
-                    velocity: V::load(&group[offsets.velocity]),
-                    stress: V::load(&group[offsets.stress]),
-                };
-                let moved = update_cell(before, [lower_face, upper_face], &cell);
-                moved.velocity.store(&mut group[offsets.velocity]);
-                moved.stress.store(&mut group[offsets.stress]);
-                let change = moved.stress - before.stress;
-                for (field, ratio) in offsets.passive_stresses.into_iter().zip(ratios) {
-                    prefetch(group, self.prefetch_l1_distance + field, true);
-                    (V::load(&group[field]) + ratio * change).store(&mut group[field]);
+            for first in (loaded..path.len()).step_by(WINDOW - W + 1) {
+                let count = (path.len() - first).min(WINDOW - W + 1);
+                for step in 0..count {
+                    let [next_group, moved_group] = [first + step, first + step - half];
+                    let next: State<V> = load_next::<T, V, PASSIVE>(
+                        self.field_data,
+                        &offsets,
+                        distances,
+                        path[next_group].start + offset.start,
+                    );
+                    window[step + W - 1] = RiemannInvariants::from_state(next, &cell);
+                    let groups = window[step..].first_chunk().expect("room for a stencil");
+                    let upper_face = interface_state(groups, &weights);
+                    let group = &mut self.field_data[path[moved_group].start + offset.start..]
+                        [..offsets.extent];
+                    let before = State {
+                        velocity: V::load(&group[offsets.velocity]),
+                        stress: V::load(&group[offsets.stress]),
+                    };
+                    let moved = update_cell(before, [lower_face, upper_face], &cell);
+                    moved.velocity.store(&mut group[offsets.velocity]);
+                    moved.stress.store(&mut group[offsets.stress]);
+                    let change = moved.stress - before.stress;
+                    for (field, ratio) in offsets.passive_stresses.into_iter().zip(ratios) {
+                        prefetch(group, self.prefetch_l1_distance + field, true);
+                        (V::load(&group[field]) + ratio * change).store(&mut group[field]);
+                    }
+                    lower_face = upper_face;
                 }
-                lower_face = upper_face;
-                groups.copy_within(1.., 0);
+                window.copy_within(count..count + W - 1, 0);
             }
             if let Some(rows) = &self.rows {
                 rows.clear_padding(self.field_data, offsets.velocity, line);
@@ -107,7 +121,7 @@ impl<T: Real> SweepLines<'_, T> {
                 }
             } else {
                 let carried = self.carried[slot..][..half - 1].iter_mut();
-                for (carried_invariants, target) in groups.into_iter().zip(carried) {
+                for (&carried_invariants, target) in window.iter().zip(carried) {
                     CarriedState { carried_invariants, lower_face }.store(target);
                 }
             }
