@@ -3,11 +3,12 @@
 //! The supremum is located numerically: on a grid in log k and direction, with further points near degenerate
 //! directions θ_c in the stretched coordinate asinh(k(θ − θ_c)), then by a simplex search (Nelder & Mead 1965).
 
+use crate::direction_polynomial::DirectionPolynomial;
 use crate::growth::{Assessment, Verdict};
+use crate::list::StackList;
 use crate::pencil::Pencil;
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
-use std::cell::RefCell;
 use std::f64::consts::PI;
 
 /// Finite supremum of the growth rate over wave vectors.
@@ -44,10 +45,16 @@ const MIN_WAVE_NUMBER: f64 = 1e-16;
 const PLATEAU: f64 = 1e-9;
 /// Growth rate of the longest waves, in the scaled unit of the system, below which its limit k → 0 is zero.
 const ZERO_RATE: f64 = 1e-12;
-/// Number of steps of the grid in log k.
-const WAVE_NUMBER_STEPS: usize = 96;
+/// Largest step of the grid in log k.
+const WAVE_NUMBER_STEP: f64 = 0.5;
+/// The same for long waves, below [`LONG_WAVE`]: there the roots follow powers of k.
+const LONG_WAVE_STEP: f64 = 2.0;
+/// Wave number in the scaled unit below which waves are long.
+const LONG_WAVE: f64 = 1e-4;
 /// Number of directions of the grid.
 const DIRECTION_COUNT: usize = 48;
+/// Largest distance from a degenerate direction at which its layer is searched, rad: the grid of directions covers the rest.
+const MAX_LAYER_OFFSET: f64 = 0.5;
 
 /// Locates the supremum of Re ς over all directions and k ≥ `min_wave_number` (1/m; 0 for a uniform background) of a
 /// well-posed system. `None` for other verdicts, without dispersion roots, or if `min_wave_number` exceeds the range of
@@ -87,10 +94,14 @@ fn search_supremum(
     if low >= high {
         return None;
     }
-    // Neighbouring waves have similar roots.
-    let nearby_roots = RefCell::new(Vec::new());
-    let rate = |log_k: f64, direction: f64| {
-        growth_rate_at(pencil, log_k, direction, &mut nearby_roots.borrow_mut())
+    let polynomial = &pencil.polynomial;
+    let wave_number = |log_k: f64| unit * log_k.cr_exp();
+    let mut log_k_grid = uniform_steps(low, LONG_WAVE.cr_ln().max(low), LONG_WAVE_STEP);
+    log_k_grid.extend(uniform_steps(LONG_WAVE.cr_ln().max(low), high, WAVE_NUMBER_STEP));
+    log_k_grid.push(high);
+    // The largest growth rate on the grid, at its smallest wave number: value, log k and position.
+    let is_above = |found: f64, log_k: f64, start: &(f64, [f64; 2])| {
+        found > start.0 || found == start.0 && log_k < start.1[0]
     };
     // Search coordinates (log k, position): the position is the direction θ, or asinh(k(θ − θ_c)) around a degenerate
     // direction θ_c.
@@ -101,26 +112,50 @@ fn search_supremum(
         let angle = |log_k: f64, position: f64| match centre {
             None if directions.len() == 1 => directions[0],
             None => position,
-            Some(angle) => angle + (position.cr_sinh() / log_k.cr_exp()).clamp(-0.5, 0.5),
-        };
-        let value = |x: [f64; 2]| {
-            let log_k = x[0].clamp(low, high);
-            rate(log_k, angle(log_k, x[1]))
-        };
-        let positions: Vec<f64> = match centre {
-            None => directions.to_vec(),
-            Some(_) => (-12..=12).map(f64::from).collect(),
+            Some(angle) => {
+                let offset = position.cr_sinh() / log_k.cr_exp();
+                angle + offset.clamp(-MAX_LAYER_OFFSET, MAX_LAYER_OFFSET)
+            }
         };
         let mut start = (f64::NEG_INFINITY, [low, 0.0]);
-        for step in 0..=WAVE_NUMBER_STEPS {
-            let log_k = low + (high - low) * step as f64 / WAVE_NUMBER_STEPS as f64;
-            for &position in &positions {
-                let found = value([log_k, position]);
-                if found > start.0 {
-                    start = (found, [log_k, position]);
+        match centre {
+            None => {
+                for &direction in directions {
+                    let along = polynomial.along(direction);
+                    let mut roots = ContinuedRoots::default();
+                    for &log_k in &log_k_grid {
+                        let found = roots.continue_to(&along, wave_number(log_k));
+                        if is_above(found, log_k, &start) {
+                            start = (found, [log_k, direction]);
+                        }
+                    }
+                }
+            }
+            Some(_) => {
+                // Neighbouring waves have similar roots.
+                let mut roots = StackList::new();
+                for &log_k in &log_k_grid {
+                    let is_within = |position: &f64| {
+                        position.cr_sinh().abs() <= MAX_LAYER_OFFSET * log_k.cr_exp()
+                    };
+                    for position in (-12..=12).map(f64::from).filter(is_within) {
+                        let along = polynomial.along(angle(log_k, position));
+                        roots = along.scaled_roots(wave_number(log_k), &roots);
+                        let found = along.largest_real_part(&roots);
+                        if is_above(found, log_k, &start) {
+                            start = (found, [log_k, position]);
+                        }
+                    }
                 }
             }
         }
+        let mut roots = StackList::new();
+        let value = |x: [f64; 2]| {
+            let log_k = x[0].clamp(low, high);
+            let along = polynomial.along(angle(log_k, x[1]));
+            roots = along.scaled_roots(wave_number(log_k), &roots);
+            along.largest_real_part(&roots)
+        };
         let (found, [log_k, position]) = maximise_by_simplex(value, start.1, [0.2, 0.05]);
         let log_k = log_k.clamp(low, high);
         if found > f64::NEG_INFINITY && best.is_none_or(|b| found > b.0) {
@@ -128,8 +163,9 @@ fn search_supremum(
         }
     }
     let (found, log_k, direction) = best?;
-    let wave_number = |log_k: f64| unit * log_k.cr_exp();
-    let has_equal_rate = |log_k: f64| found - rate(log_k, direction) <= PLATEAU * found.abs();
+    let along = polynomial.along(direction);
+    let has_equal_rate =
+        |log_k: f64| found - along.growth_rate(wave_number(log_k)) <= PLATEAU * found.abs();
     let location = if log_k <= low + 0.1 || has_equal_rate(low) {
         SupremumWaveNumber::LongWaves
     } else if log_k >= high - 0.7 || has_equal_rate(high) {
@@ -140,47 +176,63 @@ fn search_supremum(
     let mut growth_rate = found;
     if found > 0.0 {
         // Neutral roots have real parts of the size of the rounding errors.
-        let certain = pencil.polynomial.growth_rate_beyond_rounding(wave_number(log_k), direction);
+        let certain = along.growth_rate_beyond_rounding(wave_number(log_k));
         if certain < 0.5 * found {
             growth_rate = certain;
         }
     }
     let is_limit = location == SupremumWaveNumber::LongWaves && min_wave_number == 0.0;
-    if is_limit && growth_rate.abs() <= ZERO_RATE * pencil.polynomial.rate_unit {
+    if is_limit && growth_rate.abs() <= ZERO_RATE * polynomial.rate_unit {
         growth_rate = 0.0;
     }
     Some(Supremum { growth_rate, wave_number: location, direction: direction.rem_euclid(PI) })
 }
 
-/// Largest Re ς, 1/s, at the logarithm of the wave number in the scaled unit and a direction (rad). Starts from the roots
-/// `nearby_roots` (1/s), if there is one per root, and replaces them by those found.
-fn growth_rate_at(
-    pencil: &Pencil,
-    log_k: f64,
-    direction: f64,
-    nearby_roots: &mut Vec<Complex64>,
-) -> f64 {
-    let wave_number = pencil.polynomial.wave_number_unit * log_k.cr_exp();
-    *nearby_roots = pencil.polynomial.roots(wave_number, direction, nearby_roots);
-    nearby_roots.iter().map(|root| root.re).fold(f64::NEG_INFINITY, f64::max)
+/// Divides the interval from `low` to `high` into steps of equal length, at most `step`; returns their lower ends.
+fn uniform_steps(low: f64, high: f64, step: f64) -> Vec<f64> {
+    let count = ((high - low) / step).ceil() as usize;
+    (0..count).map(|index| low + (high - low) * index as f64 / count as f64).collect()
+}
+
+/// Roots at ascending wave numbers of constant ratio along a direction: where they follow powers of k, the last two of each
+/// give the next one.
+#[derive(Default)]
+struct ContinuedRoots {
+    last: StackList<Complex64>,
+    before_last: StackList<Complex64>,
+}
+
+impl ContinuedRoots {
+    /// Computes the roots at the next wave number `k` (1/m); returns the largest Re ς, 1/s.
+    fn continue_to(&mut self, along: &DirectionPolynomial, k: f64) -> f64 {
+        let guesses: StackList<Complex64> = match self.before_last.len() == self.last.len() {
+            true => self.last.iter().zip(&self.before_last).map(|(a, b)| a * (a / b)).collect(),
+            false => self.last.clone(),
+        };
+        let roots = along.scaled_roots(k, &guesses);
+        self.before_last = std::mem::replace(&mut self.last, roots);
+        along.largest_real_part(&self.last)
+    }
 }
 
 /// Largest Re ς, 1/s, in a direction (rad) at `count` wave numbers from the smallest to the largest one of the search.
 pub(crate) fn sample_growth(pencil: &Pencil, direction: f64, count: usize) -> f64 {
     let (low, high) = (MIN_WAVE_NUMBER.cr_ln(), MAX_WAVE_NUMBER.cr_ln());
     let log_k = |index: usize| low + (high - low) * (index as f64 + 0.5) / count as f64;
-    let mut roots = Vec::new();
-    let rates = (0..count).map(|index| growth_rate_at(pencil, log_k(index), direction, &mut roots));
+    let along = pencil.polynomial.along(direction);
+    let mut roots = ContinuedRoots::default();
+    let wave_number = |index: usize| pencil.polynomial.wave_number_unit * log_k(index).cr_exp();
+    let rates = (0..count).map(|index| roots.continue_to(&along, wave_number(index)));
     rates.fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Local maximum near `start` by the simplex method (Nelder & Mead 1965): value and position.
 fn maximise_by_simplex(
-    f: impl Fn([f64; 2]) -> f64,
+    mut f: impl FnMut([f64; 2]) -> f64,
     start: [f64; 2],
     step: [f64; 2],
 ) -> (f64, [f64; 2]) {
-    let vertex = |x: [f64; 2]| (f(x), x);
+    let mut vertex = |x: [f64; 2]| (f(x), x);
     let mut s = [
         vertex(start),
         vertex([start[0] + step[0], start[1]]),
@@ -189,11 +241,12 @@ fn maximise_by_simplex(
     for _ in 0..200 {
         s.sort_by(|a, b| b.0.total_cmp(&a.0));
         let spread = (s[0].1[0] - s[2].1[0]).root_sum_square(s[0].1[1] - s[2].1[1]);
-        if spread < 1e-9 {
+        let gain = s[0].0 - s[2].0;
+        if spread < 1e-9 || spread < 1e-3 && gain <= 1e-6 * SUPREMUM_TOLERANCE * s[0].0.abs() {
             break;
         }
         let centre = [0, 1].map(|i| 0.5 * (s[0].1[i] + s[1].1[i]));
-        let at = |t: f64| vertex([0, 1].map(|i| centre[i] + t * (s[2].1[i] - centre[i])));
+        let mut at = |t: f64| vertex([0, 1].map(|i| centre[i] + t * (s[2].1[i] - centre[i])));
         let reflected = at(-1.0);
         s[2] = if reflected.0 > s[0].0 {
             let expanded = at(-2.0);

@@ -25,7 +25,7 @@ pub(crate) fn sample_growth_order(pencil: &Pencil, angle: f64) -> f64 {
         for side in [1.0, -1.0] {
             let rate = |k: f64| {
                 let direction = angle + side * (-order * k.cr_ln()).cr_exp();
-                pencil.polynomial.certain_growth_rate(k * unit, direction)
+                pencil.polynomial.along(direction).certain_growth_rate(k * unit)
             };
             // Most directions have no growth at the largest wave number: the others are not needed.
             let mut above = rate(WAVE_NUMBERS[2]);

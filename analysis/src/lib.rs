@@ -36,6 +36,7 @@ mod brute_force;
 pub mod characteristics;
 mod corner_factors;
 mod dense;
+pub mod direction_polynomial;
 pub mod energy;
 pub mod equations;
 pub mod extended_precision;

@@ -119,12 +119,13 @@ impl Pencil {
             own.map(|term| usize::from(term.time_power)).max().unwrap_or(0).max(1)
         };
         let size: usize = (0..self.scaled.system.equations.len()).map(time_order).sum();
-        let count = self.polynomial.coefficients_at(k, direction).len() - 1;
+        let along = self.polynomial.along(direction);
+        let count = along.coefficients_at(k).len() - 1;
         let mut guesses = self.generalised_eigenvalues(k, direction);
         // Infinite eigenvalues sort last.
         guesses.sort_by(|a, b| a.modulus().total_cmp(&b.modulus()));
         guesses.truncate(count);
-        let mut finite = self.polynomial.roots(k, direction, &guesses);
+        let mut finite = along.roots(k, &guesses).into_vec();
         finite.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
         PencilRoots::Regular { infinite: size.saturating_sub(finite.len()), finite }
     }

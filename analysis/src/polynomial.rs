@@ -5,12 +5,13 @@
 //! dynamic programming) in double-double arithmetic, with a bound on the effect of the rounding of the entries of
 //! A, Bⁱ, C on each coefficient.
 
+use crate::AnalysisError;
+use crate::direction_polynomial::DirectionPolynomial;
 use crate::extended_precision::{ExtendedComplex, ExtendedReal};
 use crate::form::BinaryForm;
 use crate::list::StackList;
 use crate::scaling::ScaledSystem;
-use crate::{AnalysisError, roots};
-use models::common::elementary::{Elementary, Modulus};
+use models::common::elementary::Elementary;
 use models::common::system::{HigherTerm, Unknown};
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
@@ -35,9 +36,6 @@ struct BoundedCoefficient {
     /// Error bound due to rounding in the expansion itself.
     expansion_error_bound: f64,
 }
-
-/// Factor by which the polynomial must exceed its rounding bound for growth to be certain: the direction is rounded too.
-const ROUNDING_MARGIN: f64 = 16.0;
 
 /// Upper bound on the relative error of a double-double product and sum.
 const EXTENDED_ROUNDOFF: f64 = 1e-30;
@@ -369,98 +367,35 @@ impl DispersionPolynomial {
         terms
     }
 
-    /// Coefficients, in scaled units, of the powers of ς + ik·V (the root in the frame of the material) at the wave
-    /// vector k = `k` (cos θ, sin θ), by ascending power. Leading coefficients that are zero within their rounding
-    /// bound are omitted (but for the last one left), so the degree is the number of finite roots.
-    pub fn coefficients_at(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
-        self.bounded_coefficients_at(k, direction).0
-    }
-
-    /// The [`coefficients_at`](Self::coefficients_at) a wave vector, and bounds on their errors.
-    fn bounded_coefficients_at(&self, k: f64, direction: f64) -> (Vec<ExtendedComplex>, Vec<f64>) {
+    /// Restricts the polynomial to the wave vectors along `direction` (rad).
+    pub fn along(&self, direction: f64) -> DirectionPolynomial {
         let (sin, cos) = direction.cr_sin_cos();
-        let k_scaled = k / self.wave_number_unit;
         let powers = |x: f64| {
-            let mut list = vec![ExtendedReal::from(1.0)];
+            let mut list: StackList<ExtendedReal> = smallvec![ExtendedReal::from(1.0)];
             for i in 0..self.degree {
                 list.push(list[i] * ExtendedReal::from(x));
             }
             list
         };
-        // Powers of the doubles k̂ cos θ, k̂ sin θ in twice the working precision.
-        let (first, second) = (powers(k_scaled * cos), powers(k_scaled * sin));
-        let mut result = vec![ExtendedComplex::default(); self.degree + 1];
-        let mut bounds = vec![0.0f64; self.degree + 1];
-        for ([a, b, c], coefficient) in self.coefficients() {
-            if coefficient.is_structural_zero() {
-                continue;
-            }
-            let (a, b, c) = (usize::from(a), usize::from(b), usize::from(c));
-            let factor = first[b] * second[c];
-            let term = coefficient.value * factor;
-            bounds[a] += coefficient.total_error_bound() * factor.high.abs();
-            let slot = &mut result[a];
-            // Factor i^(b+c) of κ₁^b κ₂^c, since κ = ik.
-            match (b + c) % 4 {
-                0 => slot.re = slot.re + term,
-                1 => slot.im = slot.im + term,
-                2 => slot.re = slot.re + -term,
-                _ => slot.im = slot.im + -term,
-            }
-        }
-        while let (Some(top), Some(bound)) = (result.last(), bounds.last()) {
-            if top.re.high.abs().max(top.im.high.abs()) > *bound || result.len() == 1 {
-                break;
-            }
-            result.pop();
-            bounds.pop();
-        }
-        (result, bounds)
+        let (first, second) = (powers(cos), powers(sin));
+        let coefficients = self.coefficients().filter(|(_, own)| !own.is_structural_zero());
+        let terms = coefficients.map(|([a, b, c], own)| {
+            let factor = first[usize::from(b)] * second[usize::from(c)];
+            let bound = own.total_error_bound() * factor.high.abs();
+            ([a, b + c], own.value * factor, bound)
+        });
+        let velocity = self.velocity[0] * cos + self.velocity[1] * sin;
+        DirectionPolynomial::new(terms, velocity, [self.rate_unit, self.wave_number_unit])
     }
 
-    /// Largest Re ς, 1/s, at the wave number `k` (1/m) and `direction` (rad) among the roots whose growth is certain:
-    /// the polynomial differs from zero by more than its rounding bound at the point of the imaginary axis beside the
-    /// root. 0 without such a root.
-    pub(crate) fn certain_growth_rate(&self, k: f64, direction: f64) -> f64 {
-        let (coefficients, bounds) = self.bounded_coefficients_at(k, direction);
-        let is_certain = |root: &Complex64| {
-            let beside = Complex64::new(0.0, root.im);
-            let (value, _) = roots::evaluate_extended(&coefficients, beside);
-            let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.im.abs() + own);
-            root.re > 0.0 && value.modulus() > ROUNDING_MARGIN * bound
-        };
-        let roots = roots::solve_extended(&coefficients, &[]);
-        roots.iter().filter(|root| is_certain(root)).fold(0.0, |sum: f64, own| sum.max(own.re))
-            * self.rate_unit
+    /// [`DirectionPolynomial::coefficients_at`] the wave number `k` (1/m) along `direction` (rad).
+    pub fn coefficients_at(&self, k: f64, direction: f64) -> StackList<ExtendedComplex> {
+        self.along(direction).coefficients_at(k)
     }
 
-    /// Largest Re ς, 1/s, at the wave number `k` (1/m) and `direction` (rad) among the roots whose real part exceeds the
-    /// effect of rounding, by the derivative of the polynomial at the root; 0 without such a root.
-    pub(crate) fn growth_rate_beyond_rounding(&self, k: f64, direction: f64) -> f64 {
-        let (coefficients, bounds) = self.bounded_coefficients_at(k, direction);
-        let is_certain = |root: &Complex64| {
-            let (_, slope) = roots::evaluate_extended(&coefficients, *root);
-            let bound = bounds.iter().rev().fold(0.0, |sum, own| sum * root.modulus() + own);
-            let error = bound + f64::EPSILON * root.modulus() * slope.modulus();
-            root.re > 0.0 && root.re * slope.modulus() > ROUNDING_MARGIN * error
-        };
-        let roots = roots::solve_extended(&coefficients, &[]);
-        roots.iter().filter(|root| is_certain(root)).fold(0.0, |sum: f64, own| sum.max(own.re))
-            * self.rate_unit
-    }
-
-    /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad), by the Aberth–Ehrlich
-    /// method on the exact polynomial. The `guesses` (1/s) are used as starting points if there is one per root.
-    pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {
-        let coefficients = self.coefficients_at(k, direction);
-        let (sin, cos) = direction.cr_sin_cos();
-        let convection =
-            Complex64::new(0.0, -k * (self.velocity[0] * cos + self.velocity[1] * sin));
-        let guesses: Vec<_> = guesses.iter().map(|g| (g - convection) / self.rate_unit).collect();
-        roots::solve_extended(&coefficients, &guesses)
-            .into_iter()
-            .map(|root| root * self.rate_unit + convection)
-            .collect()
+    /// [`DirectionPolynomial::roots`] at the wave number `k` (1/m) along `direction` (rad).
+    pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> StackList<Complex64> {
+        self.along(direction).roots(k, guesses)
     }
 }
 

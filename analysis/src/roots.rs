@@ -96,7 +96,8 @@ fn evaluate_with_derivative(coefficients: &[Complex64], x: Complex64) -> (Comple
     (value, slope)
 }
 
-/// Starting points: the `guesses`, slightly perturbed, if there is one per root and all are finite; else points on
+/// Starting points: the `guesses`, slightly perturbed, if there is one per root and all are finite; else the roots in
+/// working precision up to degree two, points for higher degrees on
 /// circles whose logarithmic radii are the negative slopes of the Newton polygon of the logarithms of the moduli.
 fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackList<Complex64> {
     let degree = coefficients.len() - 1;
@@ -108,6 +109,16 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
             .enumerate()
             .map(|(i, g)| g * cr_from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
             .collect();
+    }
+    if degree <= 2 {
+        let mut roots = solve(coefficients);
+        if let [first, second] = &mut roots[..]
+            && first == second
+        {
+            // Equal starting points do not separate.
+            *second *= 1.0 + 1e-9;
+        }
+        return roots;
     }
     let logarithms: StackList<f64> =
         coefficients.iter().map(|c| c.modulus().max(f64::MIN_POSITIVE).cr_log2()).collect();
