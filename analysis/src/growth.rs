@@ -121,9 +121,10 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         assessment.verdict = Verdict::Indeterminate { rank: pencil.generic_rank(), unknowns };
         return assessment;
     }
-    let terms = pencil.polynomial.forms();
-    let (mut certain, doubtful): (StackList<DispersionTerm, 24>, StackList<DispersionTerm, 24>) =
-        terms.into_iter().partition(|term| term.form.is_nonzero());
+    let mut certain = pencil.polynomial.forms();
+    let doubtful: StackList<DispersionTerm, 2> =
+        certain.iter().filter(|term| !term.form.is_nonzero()).cloned().collect();
+    certain.retain(|term| term.form.is_nonzero());
     let corners = newton_polygon_corners(certain.iter().map(exponents));
     let mut zeros = find_corner_zeros(pencil, &mut certain, &corners);
     let edges = find_growing_edges(&certain, &corners);

@@ -134,10 +134,15 @@ pub fn compare_fastest_mode(
 ) -> Result<FastestMode, AgreementError> {
     let flow = LinearisedFlow::new(problem);
     let (points, lengths) = (perturbation.points, perturbation.lengths);
-    // The solver tolerance is looser than for a single wave, since it applies to the entire perturbation, which
-    // contains many waves.
-    let solver_problem =
-        FlowProblem { tolerance: 3e-7, points, lengths, ..problem.solver_problem.clone() };
+    // The solver tolerances are looser than for a single wave, since they apply to the entire perturbation, which contains
+    // many waves: errors of the rates of about 0.1 %, a tenth of their tolerance.
+    let solver_problem = FlowProblem {
+        tolerance: 3e-5,
+        pressure_tolerance: 1e-6,
+        points,
+        lengths,
+        ..problem.solver_problem.clone()
+    };
     let mut solver = Solver::new(&solver_problem)?;
     let ([v1, v2], internal) = (&perturbation.velocity, &perturbation.internal_variable);
     let found = [v1.len(), v2.len(), internal.len()];

@@ -79,8 +79,19 @@ impl BinaryForm {
 
     /// Value F(cos θ, sin θ) with rounding bound at an exact angle θ, rad.
     pub fn evaluate_at_angle(&self, angle: f64) -> Rounded {
-        let angle = Rounded::from_exact(angle);
-        self.evaluate(angle.cos(), angle.sin())
+        let (sin, cos) = Rounded::from_exact(angle).sin_cos();
+        self.evaluate(cos, sin)
+    }
+
+    /// Value F(`cos`, `sin`) by the expanded coefficients, without rounding bound.
+    pub(super) fn value_at(&self, [cos, sin]: [f64; 2]) -> f64 {
+        let mut value = self.coefficients[0].value;
+        let mut power = 1.0;
+        for f in &self.coefficients[1..] {
+            power *= sin;
+            value = value * cos + f.value * power;
+        }
+        value
     }
 
     /// Adds `factor` times another form, as functions on the unit circle; the degree of `other` has the same parity as

@@ -4,7 +4,7 @@ use super::binary_form::BinaryForm;
 use crate::list::{StackList, list};
 use crate::roots;
 use models::Rounded;
-use models::common::elementary::{Modulus, cr_arg};
+use models::common::elementary::{Elementary, Modulus, cr_arg};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -30,10 +30,14 @@ impl BinaryForm {
             .map(|z| {
                 let mut angle = cr_arg(z) / 2.0;
                 for _ in 0..4 {
-                    let slope = curvature.evaluate_at_angle(angle).value;
-                    let step = derivative.evaluate_at_angle(angle).value / slope;
+                    let (sin, cos) = angle.cr_sin_cos();
+                    let [value, slope] = [&derivative, &curvature].map(|f| f.value_at([cos, sin]));
+                    let step = value / slope;
                     if step.is_finite() && step.abs() < 0.1 {
                         angle -= step;
+                    }
+                    if step.abs() <= f64::EPSILON {
+                        break;
                     }
                 }
                 angle.rem_euclid(PI)
@@ -158,7 +162,7 @@ impl BinaryForm {
     }
 
     /// Zero between two angles with values of opposite sign, by the Illinois variant of regula falsi, with bisection in
-    /// every fourth round.
+    /// every fourth round, until the value and the next secant step are of the size of rounding.
     fn refine_bracketed_zero(
         &self,
         (mut a, mut fa): (f64, f64),
@@ -168,10 +172,17 @@ impl BinaryForm {
             let secant = b - fb * (b - a) / (fb - fa);
             let inside = (secant - a) * (secant - b) < 0.0;
             let middle = if inside && round % 4 != 3 { secant } else { 0.5 * (a + b) };
+            if inside && (secant - b).abs() <= 2.0 * f64::EPSILON {
+                let last = self.evaluate_at_angle(b);
+                if last.value.abs() <= last.bound {
+                    return secant;
+                }
+            }
             if middle <= a.min(b) || middle >= a.max(b) {
                 break;
             }
-            let f = self.evaluate_at_angle(middle).value;
+            let (sin, cos) = middle.cr_sin_cos();
+            let f = self.value_at([cos, sin]);
             if f == 0.0 {
                 (a, b) = (middle, middle);
                 break;

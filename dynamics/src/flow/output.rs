@@ -1,7 +1,7 @@
 //! Output of a flow: fields, energies, modes; saving and restoring its state.
 
 use super::equations::matrix_exponential;
-use super::spectral::ModeNumbers;
+use super::spectral::{ModeNumbers, basis_wave_vectors, combine_basis};
 use super::{Closure, FlowEnergy, FlowField, FlowSnapshot, FlowSolver, StepControl};
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
@@ -92,7 +92,8 @@ impl FlowSolver {
 
     /// Computes the present wave vector of a mode, 1/m.
     pub fn wave_vector(&self, mode: ModeNumbers) -> [f64; 2] {
-        self.equations.compute_wave_vectors(self.time).wave_vector(mode)
+        let lengths = self.equations.problem().lengths;
+        combine_basis(basis_wave_vectors(lengths, self.deformation_gradient()), mode)
     }
 
     /// Returns the amplitudes of mode m, the factors of exp(ik·y) with the initial wave vector k and the position y in

@@ -105,7 +105,9 @@ impl PressureSolver {
         });
     }
 
-    /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning; `p` holds the initial guess.
+    /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning, from zero: close to a uniform flow
+    /// a single iteration suffices, which another initial guess, whose residual is an application of the operator, does not
+    /// improve on.
     ///
     /// # Errors
     /// Iterations and residual if the tolerance is not reached or the residual is not finite.
@@ -117,14 +119,12 @@ impl PressureSolver {
         tolerance: f64,
         p: &mut [Complex64],
     ) -> Result<Convergence, Convergence> {
+        p.fill(Complex64::ZERO);
+        self.operator_result.copy_from_slice(right);
         let size = series.mean_product(right, right).sqrt();
         let residual_limit = tolerance * size;
-        let mut iterations = 0;
+        let (mut iterations, mut residual) = (0, size);
         loop {
-            self.apply_operator(series, equation, |_| 1.0, p);
-            axpby(&mut self.operator_result, -1.0, right, 1.0);
-            let mut residual =
-                series.mean_product(&self.operator_result, &self.operator_result).sqrt();
             let relative = if size > 0.0 { residual / size } else { 0.0 };
             let solved = Convergence { iterations, residual: relative };
             if residual <= residual_limit || size == 0.0 {
@@ -132,6 +132,11 @@ impl PressureSolver {
             }
             if iterations >= MAX_ITERATIONS || !residual.is_finite() {
                 return Err(solved);
+            }
+            if iterations > 0 {
+                self.apply_operator(series, equation, |_| 1.0, p);
+                axpby(&mut self.operator_result, -1.0, right, 1.0);
+                residual = series.mean_product(&self.operator_result, &self.operator_result).sqrt();
             }
             // Arnoldi process; Givens rotations make the Hessenberg matrix triangular.
             let mut triangle: Vec<Vec<f64>> = Vec::new();

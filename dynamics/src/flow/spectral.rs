@@ -245,9 +245,7 @@ impl ModeWaveVectors {
 
     /// Recomputes the wave vectors for another deformation gradient.
     pub fn deform(&mut self, series: &FourierSeries, lengths: [f64; 2], f: [[f64; 2]; 2]) {
-        let [k1, k2] = lengths.map(|length| TAU / length);
-        let [[f11, f12], [f21, f22]] = f;
-        self.basis = [[f22 * k1, -f12 * k1], [-f21 * k2, f11 * k2]];
+        self.basis = basis_wave_vectors(lengths, f);
         let basis = self.basis;
         self.by_mode.par_chunks_mut(series.column_length()).enumerate().for_each(
             |(column, waves)| {
@@ -271,7 +269,17 @@ impl ModeWaveVectors {
     }
 }
 
-fn combine_basis([one, other]: [[f64; 2]; 2], mode: ModeNumbers) -> [f64; 2] {
+/// Computes the wave vectors of the modes (1, 0) and (0, 1), 1/m; arguments: those of [`ModeWaveVectors::new`].
+pub(super) fn basis_wave_vectors(
+    lengths: [f64; 2],
+    [[f11, f12], [f21, f22]]: [[f64; 2]; 2],
+) -> [[f64; 2]; 2] {
+    let [k1, k2] = lengths.map(|length| TAU / length);
+    [[f22 * k1, -f12 * k1], [-f21 * k2, f11 * k2]]
+}
+
+/// Computes the wave vector of a mode from those of the modes (1, 0) and (0, 1).
+pub(super) fn combine_basis([one, other]: [[f64; 2]; 2], mode: ModeNumbers) -> [f64; 2] {
     let [first, second] = mode.map(f64::from);
     [first * one[0] + second * other[0], first * one[1] + second * other[1]]
 }

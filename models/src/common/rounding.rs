@@ -81,6 +81,17 @@ impl Rounded {
         Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
+    /// Sine and cosine, as [`sin`](Self::sin) and [`cos`](Self::cos).
+    pub fn sin_cos(self) -> (Self, Self) {
+        if self.is_structural_zero() {
+            return (Self::ZERO, self.cos());
+        }
+        let (sin, cos) = self.value.cr_sin_cos();
+        let with_error =
+            |value: f64| Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs());
+        (with_error(sin), with_error(cos))
+    }
+
     /// Arc sine of a number whose exact value lies in [−1, 1]. Its bound is the larger of the distances to the arc
     /// sines of value ± bound, the ends of the interval of possible arguments, plus rounding errors.
     pub fn asin(self) -> Self {
