@@ -4,6 +4,7 @@ use crate::list::{StackList, list};
 use models::Rounded;
 use models::common::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::LazyLock;
 
 /// A binary form (homogeneous polynomial in two variables) of degree d by its d + 1 coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +17,17 @@ pub struct BinaryForm {
     /// Index in `factors` after the last coefficient of each factor.
     pub(super) factor_ends: StackList<usize, 4>,
 }
+
+/// Number of directions in which forms are compared: more than their degrees.
+const SAMPLE_COUNT: usize = 20;
+
+/// Cosines and sines of these directions.
+static SAMPLE_DIRECTIONS: LazyLock<[[f64; 2]; SAMPLE_COUNT]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let (sin, cos) = (0.1 + 0.37 * i as f64).cr_sin_cos();
+        [cos, sin]
+    })
+});
 
 impl BinaryForm {
     /// The zero form of degree `degree`.
@@ -36,13 +48,13 @@ impl BinaryForm {
     /// Stores `factors` as factorisation of the form, up to a constant factor; ignored if their product is not
     /// proportional to the form.
     pub fn set_factors(&mut self, factors: &[BinaryForm]) {
-        let product = |angle: f64| {
-            factors.iter().map(|f| f.evaluate_at_angle(angle)).fold(Rounded::ONE, |a, b| a * b)
+        let product = |direction: [f64; 2]| -> f64 {
+            factors.iter().map(|f| f.value_at(direction)).product()
         };
         // Compare where the form is largest: the ratio of form and product must be constant.
-        let mut samples: StackList<(f64, f64), 32> = (0..4 * factors.len() + 8)
-            .map(|i| 0.1 + 0.37 * i as f64)
-            .map(|angle| (self.evaluate_at_angle(angle).value, product(angle).value))
+        let mut samples: StackList<(f64, f64), SAMPLE_COUNT> = SAMPLE_DIRECTIONS
+            .iter()
+            .map(|&direction| (self.value_at(direction), product(direction)))
             .collect();
         samples.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
         samples.truncate(samples.len() / 2);
@@ -158,14 +170,6 @@ impl BinaryForm {
     /// κ₁ = κ cos θ − κ⊥ sin θ, κ₂ = κ sin θ + κ⊥ cos θ.
     pub fn to_rotated_axes(&self, cos: Rounded, sin: Rounded) -> Self {
         let d = self.degree();
-        let multiply = |p: &[Rounded], a: Rounded, b: Rounded| {
-            let mut product = list![Rounded::ZERO; p.len() + 1];
-            for (i, &x) in p.iter().enumerate() {
-                product[i] += a * x;
-                product[i + 1] += b * x;
-            }
-            product
-        };
         let mut result = Self::new_zero(d);
         // Rotate factor by factor: then small values near a common zero of the factors lose less to cancellation.
         let turned = self.factors().map(|f| Self::from_coefficients(f).to_rotated_axes(cos, sin));
@@ -186,13 +190,16 @@ impl BinaryForm {
             if f.is_structural_zero() {
                 continue;
             }
-            let mut product = list![f];
+            let mut product: StackList<Rounded> = list![Rounded::ZERO; d + 1];
+            product[0] = f;
             for factor in 0..d {
-                product = if factor < l {
-                    multiply(&product, sin, cos)
-                } else {
-                    multiply(&product, cos, -sin)
-                };
+                // Multiplied in place by a κ + b κ⊥.
+                let (a, b) = if factor < l { (sin, cos) } else { (cos, -sin) };
+                for i in (0..=factor).rev() {
+                    let own = product[i];
+                    product[i + 1] += b * own;
+                    product[i] = a * own;
+                }
             }
             for (r, p) in result.coefficients.iter_mut().zip(product) {
                 *r += p;

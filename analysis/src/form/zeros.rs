@@ -54,16 +54,16 @@ impl BinaryForm {
         let mut polynomial = list![Complex64::ZERO; d + 1];
         for (l, f) in self.coefficients.iter().enumerate() {
             // Term l of the polynomial in z: f_l (z + 1)^(d−l) (z − 1)^l i^(−l).
-            let mut term =
-                list![Complex64::from(f.value) * Complex64::new(0.0, -1.0).powi(l as i32)];
+            let mut term: StackList<Complex64> = list![Complex64::ZERO; d + 1];
+            term[0] = f.value * Complex64::new(0.0, -1.0).powi(l as i32);
             for factor in 0..d {
+                // Multiplied in place by z ± 1.
                 let constant = if factor < l { -1.0 } else { 1.0 };
-                let mut next = list![Complex64::ZERO; term.len() + 1];
-                for (i, &t) in term.iter().enumerate() {
-                    next[i + 1] += t;
-                    next[i] += constant * t;
+                for i in (0..=factor).rev() {
+                    let own = term[i];
+                    term[i + 1] += own;
+                    term[i] = constant * own;
                 }
-                term = next;
             }
             for (p, t) in polynomial.iter_mut().zip(term) {
                 *p += t;
