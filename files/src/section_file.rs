@@ -7,15 +7,20 @@
 //! checksum (4) of the opening and all sections in sequence, without the checksums they contain. Checksums are CRC-32
 //! as in zlib: they detect accidental but not intentional damage.
 
+mod writing;
+
 use std::borrow::Cow;
-use std::collections::HashSet;
-use std::io::{self, BufReader, Read, Write};
+use std::fs::File;
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use crc32fast::Hasher;
 
 use crate::regular_file::open_regular_file;
 use crate::{FileError, write_atomically_with};
+use writing::{format_opening, write_parts};
+
+pub use writing::SectionPieces;
 
 /// Magic bytes: the first is not ASCII, and text-mode transfers would alter the line ends.
 const MAGIC: [u8; 8] = *b"\x89seal\r\n\x1a";
@@ -113,12 +118,24 @@ pub fn write_sections_with<'a>(
     sections: &[(&str, usize)],
     content: impl Fn(usize) -> Cow<'a, [u8]>,
 ) -> Result<(), FileError> {
+    write_sections_in_pieces(path, sections, |pieces| {
+        (0..sections.len()).try_for_each(|index| pieces.append(index, &content(index)))
+    })
+}
+
+/// Writes sections of given names and lengths to a file as [`write_sections`] does, whose contents `fill` appends in
+/// pieces, those of a section in order, those of different sections in any order.
+pub fn write_sections_in_pieces(
+    path: &Path,
+    sections: &[(&str, usize)],
+    fill: impl FnOnce(&mut SectionPieces) -> io::Result<()>,
+) -> Result<(), FileError> {
     let opening = format_opening(sections).map_err(|source| FileError {
         path: path.to_path_buf(),
         action: "write",
         source,
     })?;
-    write_atomically_with(path, |file| write_parts(file, &opening, sections, &content))
+    write_atomically_with(path, |file| write_parts(file, &opening, sections, fill))
 }
 
 /// Reads the sections of a file, in the order of writing. Any changed byte is an error; stated lengths are checked
@@ -138,6 +155,28 @@ pub fn read_sections(path: &Path) -> Result<Vec<(String, Vec<u8>)>, SectionFileE
 /// As [`read_sections`]; also the first error of `visit`.
 pub fn visit_sections(
     path: &Path,
+    visit: impl FnMut(&str, u64, &mut dyn Read) -> io::Result<()>,
+) -> Result<(), SectionFileError> {
+    visit_sections_if(path, |_| true, visit)
+}
+
+/// Passes the section `name` of a file to `visit` as [`visit_sections`] does, without reading the contents of others; none if
+/// there is no such section. Damage to other sections is not found.
+///
+/// # Errors
+/// As [`visit_sections`].
+pub fn visit_section(
+    path: &Path,
+    name: &str,
+    mut visit: impl FnMut(u64, &mut dyn Read) -> io::Result<()>,
+) -> Result<(), SectionFileError> {
+    visit_sections_if(path, |own| own == name, |_, length, content| visit(length, content))
+}
+
+/// Visits the sections whose names `is_visited` selects; the checksum of the whole is verified if all are.
+fn visit_sections_if(
+    path: &Path,
+    is_visited: impl Fn(&str) -> bool,
     mut visit: impl FnMut(&str, u64, &mut dyn Read) -> io::Result<()>,
 ) -> Result<(), SectionFileError> {
     let mut read = || -> Result<(), SectionFileProblem> {
@@ -145,9 +184,15 @@ pub fn visit_sections(
         let length = file.metadata()?.len();
         let reader = BufReader::with_capacity(1 << 18, file);
         let mut reader = ChecksumReader { reader, file_hasher: Hasher::new(), remaining: length };
+        let mut is_complete = true;
         for number in 1..=read_opening(&mut reader, length)? {
             let head = reader.read_section_head()?;
             let (name, length) = head.ok_or(SectionFileProblem::DamagedSectionHead { number })?;
+            if !is_visited(&name) {
+                is_complete = false;
+                reader.skip(length + CHECKSUM_LENGTH as u64)?;
+                continue;
+            }
             let mut content =
                 SectionContent { reader: &mut reader, hasher: Hasher::new(), remaining: length };
             visit(&name, length, &mut content)?;
@@ -159,7 +204,8 @@ pub fn visit_sections(
             }
         }
         let whole = reader.file_hasher.clone();
-        match reader.remaining == CHECKSUM_LENGTH as u64 && reader.verify_checksum(whole)? {
+        let is_end = reader.remaining == CHECKSUM_LENGTH as u64;
+        match is_end && (!is_complete || reader.verify_checksum(whole)?) {
             true => Ok(()),
             false => Err(SectionFileProblem::DamagedFile),
         }
@@ -189,79 +235,20 @@ impl<R: Read> Read for SectionContent<'_, R> {
     }
 }
 
-fn invalid_input(reason: String) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, reason)
-}
-
-/// Writer of parts (opening, section heads, contents) with the running checksum of all parts. The checksums of the
-/// parts are excluded, since the CRC of data followed by their own CRC is constant.
-struct ChecksumWriter<W> {
-    writer: W,
-    file_hasher: Hasher,
-}
-
-impl<W: Write> ChecksumWriter<W> {
-    /// Writes bytes and their checksum.
-    fn write_part(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut hasher = Hasher::new();
-        hasher.update(bytes);
-        self.file_hasher.combine(&hasher);
-        self.writer.write_all(bytes)?;
-        self.writer.write_all(&hasher.finalize().to_le_bytes())
-    }
-}
-
-fn write_parts<'a>(
-    writer: impl Write,
-    opening: &[u8],
-    sections: &[(&str, usize)],
-    content: &impl Fn(usize) -> Cow<'a, [u8]>,
-) -> io::Result<()> {
-    let mut writer = ChecksumWriter { writer, file_hasher: Hasher::new() };
-    writer.write_part(opening)?;
-    for (index, (name, length)) in sections.iter().enumerate() {
-        let mut head = (name.len() as u32).to_le_bytes().to_vec();
-        head.extend((*length as u64).to_le_bytes());
-        head.extend(name.as_bytes());
-        writer.write_part(&head)?;
-        let content = content(index);
-        if content.len() != *length {
-            return Err(invalid_input(format!("section \"{name}\" has another length")));
-        }
-        writer.write_part(&content)?;
-    }
-    let ChecksumWriter { mut writer, file_hasher: whole } = writer;
-    writer.write_all(&whole.finalize().to_le_bytes())
-}
-
-/// Formats the opening of the file without its checksum; an error if the sections cannot be represented.
-fn format_opening(sections: &[(&str, usize)]) -> io::Result<Vec<u8>> {
-    let mut names = HashSet::new();
-    if let Some((name, _)) = sections.iter().find(|(name, _)| !names.insert(name)) {
-        return Err(invalid_input(format!("two sections are named \"{name}\"")));
-    }
-    if sections.iter().any(|(name, _)| u32::try_from(name.len()).is_err()) {
-        return Err(invalid_input("the name of a section is too long".to_owned()));
-    }
-    let count = u32::try_from(sections.len())
-        .map_err(|_| invalid_input("there are too many sections".to_owned()))?;
-    let length = |&(name, length): &(&str, usize)| {
-        (SECTION_HEAD_LENGTH + 2 * CHECKSUM_LENGTH) as u64 + name.len() as u64 + length as u64
-    };
-    let total =
-        (OPENING_LENGTH + CHECKSUM_LENGTH) as u64 + sections.iter().map(length).sum::<u64>();
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend(FORMAT_VERSION.to_le_bytes());
-    bytes.extend(count.to_le_bytes());
-    bytes.extend(total.to_le_bytes());
-    Ok(bytes)
-}
-
 /// Reader with the running checksum of all parts and the number of remaining bytes.
 struct ChecksumReader<R> {
     reader: R,
     file_hasher: Hasher,
     remaining: u64,
+}
+
+impl ChecksumReader<BufReader<File>> {
+    /// Skips bytes, of which the checksum of the file then lacks those of the content.
+    fn skip(&mut self, length: u64) -> io::Result<()> {
+        self.remaining = self.remaining.saturating_sub(length);
+        let offset = i64::try_from(length).map_err(|_| io::ErrorKind::InvalidInput)?;
+        self.reader.seek_relative(offset)
+    }
 }
 
 impl<R: Read> ChecksumReader<R> {
@@ -412,13 +399,10 @@ mod tests {
         [("state", b"\x00\x01\xff and more"), ("empty", b""), ("", b"nameless"), ("σ", b"x")];
 
     fn format_sections(sections: &[(&str, &[u8])]) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let lengths: Vec<(&str, usize)> =
-            sections.iter().map(|(name, content)| (*name, content.len())).collect();
-        let opening = format_opening(&lengths).unwrap();
-        let content = |index: usize| Cow::Borrowed(sections[index].1);
-        write_parts(&mut bytes, &opening, &lengths, &content).unwrap();
-        bytes
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sections");
+        write_sections(&path, sections).unwrap();
+        fs::read(path).unwrap()
     }
 
     fn parse_bytes(bytes: &[u8]) -> Result<Vec<(String, Vec<u8>)>, SectionFileProblem> {
@@ -457,6 +441,33 @@ mod tests {
         let sections = [("large", &large[..]), ("small", b"s")];
         write_sections(&path, &sections).unwrap();
         assert_sections(&read_sections(&path).unwrap(), &sections);
+    }
+
+    /// Verifies that contents in pieces, of several sections in turn, give the same bytes, and that one section is read alone.
+    #[test]
+    fn pieces_give_the_same_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sections");
+        let lengths = SECTIONS.map(|(name, content)| (name, content.len()));
+        write_sections_in_pieces(&path, &lengths, |pieces| {
+            for start in 0..SECTIONS[0].1.len() {
+                for index in [3, 2, 1, 0] {
+                    let content = SECTIONS[index].1;
+                    pieces.append(index, content.get(start..start + 1).unwrap_or_default())?;
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(fs::read(&path).unwrap(), format_sections(&SECTIONS));
+        let mut found = Vec::new();
+        visit_section(&path, "", |_, content| content.read_to_end(&mut found).map(drop)).unwrap();
+        assert_eq!(found, SECTIONS[2].1);
+        for wrong in [&b"longer than stated"[..], b"less"] {
+            let written =
+                write_sections_in_pieces(&path, &lengths, |pieces| pieces.append(0, wrong));
+            assert!(written.unwrap_err().to_string().contains("has another length"));
+        }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! `wellposed compare`: compares two finished runs of the same problem.
 
 use super::folder::{
-    COMPARISON_FILES, OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot_name,
+    COMPARISON_FILES, FIELDS_ARCHIVE_FILE, OutputError, ResultFolder, SNAPSHOT_LIST_FILE,
+    is_snapshot_name,
 };
 use super::load::print_hints;
 use super::progress::DelayedProgressBar;
@@ -20,9 +21,6 @@ use files::read_regular_file;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// File name of the archive of the final fields.
-const FIELDS_ARCHIVE: &str = "fields.npz";
 
 /// Options of `compare`.
 #[derive(Clone, Debug, Default)]
@@ -129,7 +127,7 @@ impl StoredRun {
         print_hints(&case);
         folder.check_files(|name| {
             is_snapshot_name(name)
-                || [FIELDS_ARCHIVE, SNAPSHOT_LIST_FILE, "ledger.csv"].contains(&name)
+                || [FIELDS_ARCHIVE_FILE, SNAPSHOT_LIST_FILE, "ledger.csv"].contains(&name)
         })?;
         let has_snapshots =
             case.solid_run.as_ref().is_some_and(|run| run.output.snapshot_interval > 0.0);
@@ -144,7 +142,7 @@ impl StoredRun {
                 }
                 names
             }
-            false => vec![FIELDS_ARCHIVE.to_owned()],
+            false => vec![FIELDS_ARCHIVE_FILE.to_owned()],
         };
         let fields = names.iter().map(|name| folder.path().join(name)).collect();
         Ok(Self { folder, case, fields })
@@ -158,7 +156,7 @@ impl StoredRun {
         let cells = grid.map_or(0, |grid| grid.cell_count());
         let damaged =
             |cause: String| CommandError::from(OutputError::from_invalid_content(path, cause));
-        if path.ends_with(FIELDS_ARCHIVE) {
+        if path.ends_with(FIELDS_ARCHIVE_FILE) {
             return report::run::read_fields(&bytes, cells)
                 .map_err(|error| damaged(error.to_string()));
         }

@@ -1,12 +1,12 @@
 //! `wellposed gather`: joins the parts that several ranks have written to the files of a single process.
 
 use super::folder::{
-    OutputError, PartFile, Publication, ResultFolder, SNAPSHOT_LIST_FILE, ZARR_STORE_FILE,
-    has_joint_files, is_part_name, joint_snapshot_file_name, list_part_names, snapshot_file_name,
-    snapshot_file_names,
+    FIELDS_ARCHIVE_FILE, OutputError, PartFile, Publication, ResultFolder, SNAPSHOT_LIST_FILE,
+    ZARR_STORE_FILE, has_joint_files, is_part_name, joint_snapshot_file_name, list_part_names,
+    snapshot_file_name, snapshot_file_names,
 };
 use super::load::print_hints;
-use super::parts::{BoxCopy, FieldParts};
+use super::parts::{BoxCopy, FieldParts, archive_fields};
 use super::plot::redraw_run;
 use super::zarr_store::{list_snapshots, stage_zarr_store};
 use crate::case::Case;
@@ -15,15 +15,10 @@ use crate::cli::CommandError;
 use crate::cli::folder::JOINT_SNAPSHOT_LIST_FILE;
 use crate::report::PictureOptions;
 use crate::report::run::{
-    create_empty_image, create_field_arrays, create_joint_lines, create_joint_tables,
-    snapshot_storage,
+    create_empty_image, create_joint_lines, create_joint_tables, snapshot_storage,
 };
-use crate::report::{ArrayData, DataArray};
-use crate::study::simulate::{FieldQuantity, OutputFields};
-use files::npz::NpzWriter;
 use files::read_regular_file;
 use files::vti::{ArrayDeclaration, format_collection, list_arrays, parse_index, read_array_bytes};
-use std::borrow::Cow;
 use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -199,37 +194,10 @@ impl Parts<'_> {
 
     /// Joins the final fields and joints.
     fn join_fields(&self, publication: &mut Publication) -> Result<(), CommandError> {
-        let cells = self.grid_cells();
         let paths = self.part_paths(|rank| PartFile::Fields.name(self.case, rank));
-        let parts = FieldParts::open(paths, cells)?;
+        let parts = FieldParts::open(paths, self.grid_cells())?;
         let grid = &self.solid_run.grid;
-        let centres =
-            |axis: usize| (0..cells[axis]).map(|index| grid.cell_centre(axis, index)).collect();
-        let quantity = |name: &String| FieldQuantity::new(name.clone(), Vec::new());
-        let placeholder = |is_present: bool| if is_present { 1 } else { 0 };
-        // The values of one array at a time are in memory.
-        let description = OutputFields {
-            time: parts.time,
-            coordinates: (0..cells.len()).map(centres).collect(),
-            quantities: parts.names.iter().map(quantity).collect(),
-            plastic_dissipation: vec![0.0; placeholder(parts.has_dissipation)],
-            region_indices: vec![0; placeholder(parts.has_regions)],
-            ..OutputFields::default()
-        };
-        let mut archive = NpzWriter::new();
-        for array in create_field_arrays(Cow::Owned(description)) {
-            let is_quantity = parts.names.iter().any(|name| *name == array.name);
-            let values = match array.name.as_ref() {
-                "region" => ArrayData::I32(parts.read_regions(cells)?),
-                name if is_quantity || name == "dissipation" => {
-                    ArrayData::F64(parts.read_values(name, cells)?.into())
-                }
-                _ => array.values,
-            };
-            DataArray { values, ..array }.add_to(&mut archive)?;
-        }
-        let archive = archive.finish().map_err(crate::Error::from)?;
-        publication.stage_file("fields.npz", &archive)?;
+        publication.stage_file(FIELDS_ARCHIVE_FILE, &archive_fields(&parts, grid)?)?;
         let joints = parts.read_joints(grid)?;
         for (name, table) in create_joint_tables(&joints, parts.time)? {
             publication.stage_file(name, &table.encode()?)?;

@@ -7,8 +7,9 @@ use super::run::{AnimationOutput, create_page_section, draw_animation, read_reco
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
-    AppendedFile, CASE_FILE, JOINT_ARCHIVE_FILE, OutputError, Publication, REPORT_PAGE_FILE,
-    ResultFolder, SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name, list_part_names,
+    AppendedFile, CASE_FILE, FIELDS_ARCHIVE_FILE, JOINT_ARCHIVE_FILE, OutputError, Publication,
+    REPORT_PAGE_FILE, ResultFolder, SNAPSHOT_LIST_FILE, has_joint_files, is_snapshot_name,
+    list_part_names,
 };
 use crate::cli::options::create_thread_pool;
 use crate::report::page::PagePicture;
@@ -20,9 +21,6 @@ use rayon::ThreadPool;
 use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
-
-/// File name of the archive of the final fields.
-const FIELDS_ARCHIVE_FILE: &str = "fields.npz";
 
 /// Verbs whose pictures follow from the case alone.
 const STUDIES: [&str; 8] =

@@ -25,12 +25,16 @@ use super::write::{
     CostEstimate, list_planned_paths, print_plan, print_report, refuse_or_warn, select_folder,
 };
 use crate::case::Case;
-use crate::cli::folder::ResultFolder;
+use crate::case::dynamics::SolidRun;
+use crate::cli::folder::{FIELDS_ARCHIVE_FILE, OutputError, PartFile, ResultFolder};
 use crate::cli::options::{check_thread_start, create_thread_pool};
+use crate::cli::parts::{FieldParts, archive_fields};
 use crate::cli::ranks::{RankRecorder, WaitingClock, require_all_ranks};
 use crate::cli::{CommandError, Options, OutputFormat};
+use crate::report::run::list_drawn_quantities;
 use crate::report::{PictureOptions, RenderedReport};
 use crate::study::decide_solid_verdict;
+use crate::study::simulate::OutputFields;
 use crate::study::simulate::{SimulationJob, create_job};
 use dynamics::decomposition::communicator::Communicator;
 use files::lock::Lock;
@@ -171,7 +175,7 @@ pub(super) fn execute_run(
     };
     let failed =
         |error| CommandError::from_run_error(error, &run.folder.path().display().to_string());
-    let (result, waiting) = match run.communicator.filter(|own| own.size() > 1) {
+    let (mut result, waiting) = match run.communicator.filter(|own| own.size() > 1) {
         None => (pool.install(|| job.execute(&mut recorder)).map_err(failed)?, None),
         Some(communicator) => {
             let folder = run.folder.path();
@@ -184,7 +188,6 @@ pub(super) fn execute_run(
                 is_resumed,
             );
             let result = pool.install(|| job.execute(&mut all)).map_err(failed)?;
-            all.write_fields(&result.fields)?;
             let waiting = clock.collect(pool.current_num_threads());
             recorder.run_files_mut().append_log(waiting.to_string().trim_end());
             (result, Some(waiting))
@@ -194,6 +197,12 @@ pub(super) fn execute_run(
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
     let RunContext { case, folder, pictures, .. } = run;
+    let archive = match &case.solid_run {
+        Some(solid_run) if !result.has_field_values && !result.is_part => {
+            Some(archive_final_fields(run, solid_run, &mut result.fields)?)
+        }
+        _ => None,
+    };
     let rendered = RenderedReport::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {
         let animation = match result.is_part {
@@ -211,6 +220,9 @@ pub(super) fn execute_run(
                 }
             }
         }
+        if let Some(archive) = archive {
+            files.write_result(FIELDS_ARCHIVE_FILE, &archive)?;
+        }
         let of_page = rendered.write_files(pictures, |name, bytes| {
             files.write_result(name, bytes).map(drop).map_err(CommandError::from)
         })?;
@@ -224,4 +236,32 @@ pub(super) fn execute_run(
         write!(stdout, "\n{waiting}")?;
     }
     result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))
+}
+
+/// Creates the archive of the final fields that a single process has written by layers, and reads those that pictures show.
+/// The file that the process has written is removed.
+fn archive_final_fields(
+    run: &RunContext,
+    solid_run: &SolidRun,
+    fields: &mut OutputFields,
+) -> Result<Vec<u8>, CommandError> {
+    let path = run.folder.path().join(PartFile::Fields.name(run.case, 0));
+    let cells = &solid_run.grid.cells;
+    let parts = FieldParts::open(vec![path.clone()], cells)?;
+    let archive = archive_fields(&parts, &solid_run.grid)?;
+    if run.pictures.has_page || !run.pictures.formats.is_empty() {
+        let drawn = list_drawn_quantities(solid_run);
+        for own in fields.quantities.iter_mut().filter(|own| drawn.contains(&own.name)) {
+            own.values = parts.read_values(&own.name, cells)?;
+        }
+        if parts.has_dissipation {
+            fields.plastic_dissipation = parts.read_values("dissipation", cells)?;
+        }
+        if parts.has_regions {
+            let regions = parts.read_regions(cells)?;
+            fields.region_indices = regions.iter().map(|&region| region as u16).collect();
+        }
+    }
+    std::fs::remove_file(&path).map_err(|error| OutputError::new(&path, error))?;
+    Ok(archive)
 }

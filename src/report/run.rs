@@ -21,6 +21,7 @@ pub(super) use polar::PolarRaster;
 pub use snapshot::{
     create_empty_image, create_image, create_image_piece, read_snapshot, snapshot_storage,
 };
+pub use solid::list_drawn_quantities;
 
 use super::format::{case_title, format_count, format_short};
 use super::{DataFile, Report, ReportPicture};
@@ -94,7 +95,7 @@ impl Report for RunResult {
     /// Creates the archives, and the table of joints; the other CSV tables are written row by row during the run.
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         let mut all = Vec::new();
-        if !self.is_part {
+        if self.has_field_values && !self.is_part {
             let fields = create_field_arrays(Cow::Borrowed(&self.fields));
             all.push(("fields.npz", DataFile::Arrays(fields)));
         }

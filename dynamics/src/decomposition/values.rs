@@ -6,12 +6,32 @@ use crate::simd::Real;
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::domain::{Domain, SolverReal};
 use crate::solid::ledger::{Energy, EnergySums, Ledger, LedgerSums, Sums};
+use crate::solid::region::Region;
 use models::solid::waves::SolidField;
+use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns the plastic dissipation by cell of this process, J/m³; empty if no medium yields.
     pub fn plastic_dissipation(&self) -> Vec<f64> {
-        self.own_permutation().unpermute(self.cell_sums().swap_remove(0))
+        self.plastic_dissipation_in(self.own_layers())
+    }
+
+    /// Returns the plastic dissipation as [`plastic_dissipation`](Self::plastic_dissipation) does, in some layers of cells as
+    /// [`output_values_in`](Self::output_values_in).
+    pub fn plastic_dissipation_in(&self, layers: Range<usize>) -> Vec<f64> {
+        let is_stored = |own: &Subdomain<T, D>| own.domain.has_plastic_dissipation();
+        if !self.subdomains.iter().all(is_stored) {
+            return Vec::new();
+        }
+        let found = self.evaluate_layers(layers, 1, |domain| {
+            move |cell, values: &mut Vec<f64>| values.push(domain.plastic_dissipation(cell))
+        });
+        found.into_iter().next().unwrap_or_default()
+    }
+
+    /// Returns the range of all layers of the cells of this process across the last axis of the problem.
+    fn own_layers(&self) -> Range<usize> {
+        0..self.own_cells()[D - 1].len()
     }
 
     /// Returns the permutation of the axes of the cells of this process.
@@ -129,26 +149,47 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the output quantities by cell of this process (first axis fastest), see [`Domain::output_cell`].
     pub fn output_values(&self) -> Vec<Vec<f64>> {
-        let evaluate_output = |domain: &Domain<T, D>| {
-            let mut fields = vec![Vec::new(); self.quantity_count()];
-            let (boundaries, mut state) = (domain.closing_boundaries(), Vec::new());
-            for cell in 0..domain.grid().count() {
+        self.output_values_in(self.own_layers())
+    }
+
+    /// Returns the output quantities as [`output_values`](Self::output_values) does, of the cells of some layers across the
+    /// last axis of the problem, counted from the first layer of this process: all values together take as much memory as
+    /// the fields.
+    pub fn output_values_in(&self, layers: Range<usize>) -> Vec<Vec<f64>> {
+        self.evaluate_layers(layers, self.quantity_count(), |domain| {
+            let boundaries = domain.closing_boundaries();
+            move |cell, values: &mut _| domain.output_cell_with(cell, boundaries.as_ref(), values)
+        })
+    }
+
+    /// Evaluates `count` quantities in the cells of some layers of this process, as
+    /// [`output_values_in`](Self::output_values_in); `evaluator`: function that appends those of an owned cell of a domain.
+    fn evaluate_layers<'a, E: FnMut(usize, &mut Vec<f64>)>(
+        &'a self,
+        layers: Range<usize>,
+        count: usize,
+        evaluator: impl Fn(&'a Domain<T, D>) -> E,
+    ) -> Vec<Vec<f64>> {
+        let mut cells = self.own_cells();
+        let first = cells[D - 1].start;
+        cells[D - 1] = first + layers.start..first + layers.end;
+        let cells = self.permutation.permute_axis_ranges(&cells);
+        let cell_count = cells.iter().map(ExactSizeIterator::len).product();
+        let mut quantities = vec![vec![0.0; cell_count]; count];
+        let mut state = Vec::with_capacity(count);
+        for Subdomain { domain, region, .. } in &self.subdomains {
+            let owned = std::array::from_fn(|axis| region.owned_range(axis));
+            let mut evaluate = evaluator(domain);
+            for [own, place] in Region::from_box(self.cells, owned).cells_in_box(&cells) {
                 state.clear();
-                domain.output_cell_with(cell, boundaries.as_ref(), &mut state);
-                for (values, value) in fields.iter_mut().zip(&state) {
-                    values.push(*value);
+                evaluate(own, &mut state);
+                for (values, value) in quantities.iter_mut().zip(&state) {
+                    values[place] = *value;
                 }
             }
-            fields
-        };
-        let mut by_subdomain: Vec<_> =
-            self.subdomains.iter().map(|subdomain| evaluate_output(&subdomain.domain)).collect();
-        let fields = 0..self.quantity_count();
-        let gathered = fields.map(|field| {
-            let parts = by_subdomain.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
-            self.own_permutation().unpermute(self.join_values(parts))
-        });
-        gathered.collect()
+        }
+        let permutation = self.permutation.restrict_to_box(&cells);
+        quantities.into_iter().map(|values| permutation.unpermute(values)).collect()
     }
 
     /// Returns the stored values of a field by cell of this process (first axis fastest), without the completion of the step that output

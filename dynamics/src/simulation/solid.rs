@@ -209,8 +209,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
 
     /// Returns the ratio of the fields in a cell of this process to the physical fields.
     fn field_factor_of_own_cell(&self, cell: usize) -> f64 {
-        let layer: usize = self.own_cells[..D - 1].iter().map(ExactSizeIterator::len).product();
-        self.problem.field_factor(self.own_cells[D - 1].start + cell / layer)
+        self.problem.field_factor(self.own_cells[D - 1].start + cell / self.layer_size())
     }
 
     /// Returns the cells along each axis whose values this process holds.
@@ -218,9 +217,12 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         &self.own_cells
     }
 
-    /// Iterates over the indices of the media of the cells of this process.
-    pub fn own_cell_media(&self) -> impl Iterator<Item = usize> {
-        let region = Region::from_box(self.problem.grid.cells, self.own_cells.clone());
+    /// Iterates over the indices of the media of the cells of some layers of this process, as [`fields_in`](Self::fields_in).
+    pub fn cell_media_in(&self, layers: Range<usize>) -> impl Iterator<Item = usize> {
+        let mut cells = self.own_cells.clone();
+        let first = cells[D - 1].start;
+        cells[D - 1] = first + layers.start..first + layers.end;
+        let region = Region::from_box(self.problem.grid.cells, cells);
         region.owned_global_cell_iter().map(|cell| self.problem.medium_index(cell))
     }
 
@@ -243,6 +245,40 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     /// cell.
     pub fn first_cell_outside_yield_set(&self) -> Option<usize> {
         self.solver.first_cell_outside_yield_set()
+    }
+
+    /// Returns the output fields of the present state in some layers of cells across the last axis, counted from the first
+    /// layer of this process; without interlayers.
+    pub fn fields_in(&self, layers: Range<usize>) -> SolidFields {
+        let mut values = self.solver.output_values_in(layers.clone());
+        let mut plastic_dissipation = self.solver.plastic_dissipation_in(layers.clone());
+        if self.problem.has_field_factors() {
+            let first = layers.start * self.layer_size();
+            for of_quantity in &mut values {
+                for (cell, value) in of_quantity.iter_mut().enumerate() {
+                    *value /= self.field_factor_of_own_cell(first + cell);
+                }
+            }
+            for (cell, value) in plastic_dissipation.iter_mut().enumerate() {
+                *value /= self.field_factor_of_own_cell(first + cell).powi(2);
+            }
+        }
+        SolidFields { values, plastic_dissipation, interlayers: Vec::new() }
+    }
+
+    /// Returns the faces of interlayers of this process and their states, see [`SolidFields::interlayers`].
+    pub fn interlayer_records(&self) -> Vec<(InterlayerFace, FaceRecord<f64>)> {
+        match self.problem.interlayers.is_empty() {
+            true => Vec::new(),
+            false => self
+                .problem
+                .interlayer_records_in(&self.own_cells, &self.solver.interlayer_history()),
+        }
+    }
+
+    /// Returns the number of cells of this process in a layer across the last axis.
+    pub fn layer_size(&self) -> usize {
+        self.own_cells[..D - 1].iter().map(ExactSizeIterator::len).product()
     }
 
     /// Computes the account after `done` steps from the state of the solver.
@@ -421,28 +457,8 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn fields(&self) -> SolidFields {
-        let (mut values, mut plastic_dissipation) =
-            (self.solver.output_values(), self.solver.plastic_dissipation());
-        if self.problem.has_field_factors() {
-            for of_quantity in &mut values {
-                for (cell, value) in of_quantity.iter_mut().enumerate() {
-                    *value /= self.field_factor_of_own_cell(cell);
-                }
-            }
-            for (cell, value) in plastic_dissipation.iter_mut().enumerate() {
-                *value /= self.field_factor_of_own_cell(cell).powi(2);
-            }
-        }
-        SolidFields {
-            values,
-            plastic_dissipation,
-            interlayers: match self.problem.interlayers.is_empty() {
-                true => Vec::new(),
-                false => self
-                    .problem
-                    .interlayer_records_in(&self.own_cells, &self.solver.interlayer_history()),
-            },
-        }
+        let interlayers = self.interlayer_records();
+        SolidFields { interlayers, ..self.fields_in(0..self.own_cells[D - 1].len()) }
     }
 
     fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {

@@ -127,10 +127,10 @@ pub(crate) trait SolidSolver<T: Real>: Send {
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
     /// Number of output quantities per cell.
     fn quantity_count(&self) -> usize;
-    /// Output values by quantity and cell of this process.
-    fn output_values(&self) -> Vec<Vec<f64>>;
-    /// Plastic dissipation by cell of this process, J/m³; empty if no medium yields.
-    fn plastic_dissipation(&self) -> Vec<f64>;
+    /// Output values by quantity and cell of some layers of this process across the last axis.
+    fn output_values_in(&self, layers: Range<usize>) -> Vec<Vec<f64>>;
+    /// Plastic dissipation by cell of some layers of this process, J/m³; empty if no medium yields.
+    fn plastic_dissipation_in(&self, layers: Range<usize>) -> Vec<f64>;
     /// History variables of the interlayers of this process, in the order of
     /// [`Problem::interlayer_faces_in`](crate::solid::problem::Problem::interlayer_faces_in).
     fn interlayer_history(&self) -> Vec<T>;
@@ -194,12 +194,12 @@ macro_rules! impl_solid_solver {
                 self.quantity_count()
             }
 
-            fn output_values(&self) -> Vec<Vec<f64>> {
-                self.output_values()
+            fn output_values_in(&self, layers: Range<usize>) -> Vec<Vec<f64>> {
+                self.output_values_in(layers)
             }
 
-            fn plastic_dissipation(&self) -> Vec<f64> {
-                self.plastic_dissipation()
+            fn plastic_dissipation_in(&self, layers: Range<usize>) -> Vec<f64> {
+                self.plastic_dissipation_in(layers)
             }
 
             fn interlayer_history(&self) -> Vec<T> {

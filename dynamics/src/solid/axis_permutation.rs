@@ -102,6 +102,11 @@ impl<const D: usize> AxisPermutation<D> {
         self.axes.map(|axis| values[axis])
     }
 
+    /// Reorders one range per axis of the problem to the order of the axes of the domain.
+    pub(crate) fn permute_axis_ranges(&self, ranges: &[Range<usize>; D]) -> [Range<usize>; D] {
+        self.axes.map(|axis| ranges[axis].clone())
+    }
+
     /// Returns the grid with permuted axes.
     pub(crate) fn permute_grid(&self, own: &Grid<D>) -> Grid<D> {
         Grid {

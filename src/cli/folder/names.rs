@@ -148,7 +148,7 @@ pub const RUN_FILES: [&str; 29] = [
     "receivers.npz",
     "ledger.csv",
     "spectrum.csv",
-    "fields.npz",
+    FIELDS_ARCHIVE_FILE,
     SNAPSHOT_LIST_FILE,
     ZARR_STORE_FILE,
     "checkpoint",
@@ -156,6 +156,9 @@ pub const RUN_FILES: [&str; 29] = [
     "run.json",
     "run.txt",
 ];
+
+/// Name of the archive of the final fields.
+pub const FIELDS_ARCHIVE_FILE: &str = "fields.npz";
 
 /// Name of the file that lists the snapshots of a run with their times.
 pub const SNAPSHOT_LIST_FILE: &str = "snapshots.pvd";

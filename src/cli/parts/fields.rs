@@ -3,12 +3,12 @@
 use super::boxes::{BoxCopy, count_cells};
 use crate::case::dynamics::SolidGrid;
 use crate::cli::folder::{OutputError, create_write_error};
-use crate::study::simulate::{FaceRecord, JointFace, OutputFields};
+use crate::study::simulate::{FaceRecord, FieldSource, JointFace, OutputFields};
 use files::section_file::{
-    SectionFileError, SectionFileProblem, visit_sections, write_sections_with,
+    SectionFileError, SectionFileProblem, visit_section, visit_sections, write_sections,
+    write_sections_in_pieces,
 };
 use serde_json::{Value, json};
-use std::borrow::Cow;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -22,55 +22,108 @@ const JOINTS: &str = "joints";
 /// Number of numbers that describe a face of a joint.
 const FACE_NUMBERS: usize = 14;
 
-/// Writes the fields of the cells `cells` along each axis to a file.
+/// Bytes of values that are in memory while fields are written, unless a layer of cells has more.
+const SLAB_BYTES: usize = 4 << 20;
+
+/// Writes the fields of the cells `cells` along each axis to a file, a few layers of cells at a time.
 ///
 /// # Errors
 /// The file cannot be written.
 pub(in crate::cli) fn write_fields(
     path: &Path,
-    fields: &OutputFields,
+    fields: &dyn FieldSource,
     cells: &[Range<usize>],
 ) -> Result<(), OutputError> {
-    let ends: Vec<[usize; 2]> = cells.iter().map(|own| [own.start, own.end]).collect();
-    let names: Vec<&str> = fields.quantities.iter().map(|own| own.name.as_str()).collect();
-    let about = json!({ "time": fields.time.to_bits(), "cells": ends, "names": names }).to_string();
-    let faces: Vec<f64> = fields.joint_faces.iter().flat_map(face_numbers).collect();
-    let mut contents: Vec<(&str, Numbers)> = vec![(ABOUT, Numbers::Text(&about))];
-    let quantities = fields.quantities.iter();
-    contents.extend(quantities.map(|own| (own.name.as_str(), Numbers::Real(&own.values))));
-    if !fields.plastic_dissipation.is_empty() {
-        contents.push((DISSIPATION, Numbers::Real(&fields.plastic_dissipation)));
-    }
-    if !fields.region_indices.is_empty() {
-        contents.push((REGION, Numbers::Indices(&fields.region_indices)));
-    }
-    contents.push((JOINTS, Numbers::Real(&faces)));
+    let description = fields.describe();
+    let (layer_count, layer_size) = (fields.layer_count(), fields.layer_size());
+    let layer_bytes = layer_size * description.quantities.len().max(1) * size_of::<f64>();
+    let slab_layers = (SLAB_BYTES / layer_bytes.max(1)).clamp(1, layer_count.max(1));
+    let slab = |first: usize| fields.read_layers(first..(first + slab_layers).min(layer_count));
+    let mut next = (slab_layers, slab(0));
+    let about = format_about(&description, cells);
+    let joints = encode_faces(&description.joint_faces);
+    let count = layer_count * layer_size;
+    let sizes =
+        arrays(&next.1).map(|(name, values)| (name.to_owned(), count * values.value_size()));
+    let mut sections = vec![(ABOUT.to_owned(), about.len())];
+    sections.extend(sizes);
+    sections.push((JOINTS.to_owned(), joints.len()));
     let sections: Vec<(&str, usize)> =
-        contents.iter().map(|(name, own)| (*name, own.encoded_length())).collect();
-    // One section at a time: all together would take as much memory as the fields.
-    write_sections_with(path, &sections, |index| Cow::Owned(contents[index].1.encode()))
-        .map_err(|error| create_write_error(path, &error))
+        sections.iter().map(|(name, length)| (name.as_str(), *length)).collect();
+    let written = write_sections_in_pieces(path, &sections, |pieces| {
+        pieces.append(0, about.as_bytes())?;
+        loop {
+            for (index, (_, values)) in arrays(&next.1).enumerate() {
+                pieces.append(1 + index, &values.encode())?;
+            }
+            if next.0 >= layer_count {
+                break;
+            }
+            next = (next.0 + slab_layers, slab(next.0));
+        }
+        pieces.append(sections.len() - 1, &joints)
+    });
+    written.map_err(|error| create_write_error(path, &error))
 }
 
-/// Content of a section.
+/// Writes the joints of the cells `cells` along each axis to a file without values by cell.
+///
+/// # Errors
+/// The file cannot be written.
+pub(in crate::cli) fn write_joints(
+    path: &Path,
+    (faces, time): (&[JointFace], f64),
+    cells: &[Range<usize>],
+) -> Result<(), OutputError> {
+    let about = format_about(&OutputFields { time, ..OutputFields::default() }, cells);
+    let sections = [(ABOUT, about.as_bytes()), (JOINTS, &encode_faces(faces))];
+    write_sections(path, &sections).map_err(|error| create_write_error(path, &error))
+}
+
+/// Formats the section that describes the others.
+fn format_about(fields: &OutputFields, cells: &[Range<usize>]) -> String {
+    let ends: Vec<[usize; 2]> = cells.iter().map(|own| [own.start, own.end]).collect();
+    let names: Vec<&str> = fields.quantities.iter().map(|own| own.name.as_str()).collect();
+    json!({ "time": fields.time.to_bits(), "cells": ends, "names": names }).to_string()
+}
+
+fn encode_faces(faces: &[JointFace]) -> Vec<u8> {
+    faces.iter().flat_map(face_numbers).flat_map(f64::to_le_bytes).collect()
+}
+
+/// Iterates over the arrays of fields, with the names of their sections.
+fn arrays(fields: &OutputFields) -> impl Iterator<Item = (&str, Numbers<'_>)> {
+    let quantities = fields.quantities.iter();
+    let quantities = quantities.map(|own| (own.name.as_str(), Numbers::Real(&own.values)));
+    let dissipation = (DISSIPATION, Numbers::Real(&fields.plastic_dissipation));
+    let regions = (REGION, Numbers::Indices(&fields.region_indices));
+    quantities.chain([dissipation, regions].into_iter().filter(|own| !own.1.is_empty()))
+}
+
+/// Values of a section.
 enum Numbers<'a> {
-    Text(&'a str),
     Real(&'a [f64]),
     Indices(&'a [u16]),
 }
 
 impl Numbers<'_> {
-    fn encoded_length(&self) -> usize {
+    fn is_empty(&self) -> bool {
         match self {
-            Self::Text(text) => text.len(),
-            Self::Real(values) => size_of_val(*values),
-            Self::Indices(values) => values.len() * size_of::<i32>(),
+            Self::Real(values) => values.is_empty(),
+            Self::Indices(values) => values.is_empty(),
+        }
+    }
+
+    /// Returns the size of an encoded value, bytes.
+    fn value_size(&self) -> usize {
+        match self {
+            Self::Real(_) => size_of::<f64>(),
+            Self::Indices(_) => size_of::<i32>(),
         }
     }
 
     fn encode(&self) -> Vec<u8> {
         match self {
-            Self::Text(text) => text.as_bytes().to_vec(),
             Self::Real(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
             Self::Indices(values) => {
                 values.iter().flat_map(|own| i32::from(*own).to_le_bytes()).collect()
@@ -219,10 +272,8 @@ impl FieldParts {
         let mut bytes = vec![0; size * count_cells(&grid)];
         for (path, cells) in &self.files {
             let copy = BoxCopy::new(cells, &grid);
-            visit(path, |name, _, content| match name == section {
-                true => copy.read(size, content, &mut bytes),
-                false => Ok(()),
-            })?;
+            visit_section(path, section, |_, content| copy.read(size, content, &mut bytes))
+                .map_err(|error| describe_error(path, error))?;
         }
         Ok(bytes)
     }
@@ -262,16 +313,15 @@ impl FieldParts {
     ) -> Result<Vec<JointFace>, OutputError> {
         let mut faces = Vec::new();
         for (path, _) in &self.files {
-            visit(path, |name, _, content| {
-                if name == JOINTS {
-                    let mut bytes = Vec::new();
-                    content.read_to_end(&mut bytes)?;
-                    let numbers: Vec<f64> =
-                        bytes.as_chunks().0.iter().map(|own| f64::from_le_bytes(*own)).collect();
-                    faces.extend(numbers.as_chunks().0.iter().map(face_from_numbers));
-                }
+            let read = visit_section(path, JOINTS, |_, content| {
+                let mut bytes = Vec::new();
+                content.read_to_end(&mut bytes)?;
+                let numbers: Vec<f64> =
+                    bytes.as_chunks().0.iter().map(|own| f64::from_le_bytes(*own)).collect();
+                faces.extend(numbers.as_chunks().0.iter().map(face_from_numbers));
                 Ok(())
-            })?;
+            });
+            read.map_err(|error| describe_error(path, error))?;
         }
         sort_faces(&mut faces, grid);
         Ok(faces)
@@ -292,8 +342,12 @@ fn visit(
     path: &Path,
     visit: impl FnMut(&str, u64, &mut dyn Read) -> io::Result<()>,
 ) -> Result<(), OutputError> {
-    visit_sections(path, visit).map_err(|SectionFileError { problem, .. }| match problem {
+    visit_sections(path, visit).map_err(|error| describe_error(path, error))
+}
+
+fn describe_error(path: &Path, SectionFileError { problem, .. }: SectionFileError) -> OutputError {
+    match problem {
         SectionFileProblem::Io(error) => OutputError::from_read_error(path, &error),
         problem => OutputError::from_invalid_content(path, problem),
-    })
+    }
 }

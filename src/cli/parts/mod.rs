@@ -1,9 +1,11 @@
 //! Files of the parts of a run: each of several ranks writes the values of its own cells, and reads those that it needs.
 
+mod archive;
 mod boxes;
 mod fields;
 mod state;
 
+pub(super) use archive::archive_fields;
 pub(super) use boxes::{BoxCopy, count_cells};
-pub(super) use fields::{FieldParts, write_fields};
+pub(super) use fields::{FieldParts, write_fields, write_joints};
 pub(super) use state::{StateFile, read_state_sections};

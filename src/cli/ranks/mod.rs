@@ -306,8 +306,7 @@ fn take_part_in_run(
     let job = create_job(&case)?;
     let mut recorder = RankRecorder::new(communicator, (&case, folder), None, is_resumed);
     let clock = WaitingClock::start(&**communicator);
-    let result = pool.install(|| job.execute(&mut recorder))?;
-    recorder.write_fields(&result.fields)?;
+    pool.install(|| job.execute(&mut recorder))?;
     clock.collect(threads);
     Ok(())
 }

@@ -6,10 +6,10 @@ use crate::case::Case;
 use crate::cli::folder::{
     OutputError, PartFile, create_write_error, has_joint_files, snapshot_index_name,
 };
-use crate::cli::parts::write_fields;
+use crate::cli::parts::{write_fields, write_joints};
 use crate::cli::run::create_part_sections;
 use crate::report::run::create_image_piece;
-use crate::study::simulate::{OutputFields, OutputPart};
+use crate::study::simulate::{FieldSource, OutputFields, OutputPart};
 use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::SimulationState;
 use files::section_file::write_sections;
@@ -17,7 +17,7 @@ use files::vti::{PieceFile, Storage};
 use files::{FileDigest, write_atomically};
 use serde_json::{Value, json};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Files of the ranks: at the root those of all, at other ranks none.
@@ -130,13 +130,10 @@ impl PartWriter<'_> {
             })?;
             let mut files = vec![(name.clone(), FileDigest::from_bytes(&bytes))];
             if has_joint_files(self.case) {
-                let joints = OutputFields {
-                    time: fields.time,
-                    joint_faces: fields.joint_faces.clone(),
-                    ..OutputFields::default()
-                };
                 let name = self.name(PartFile::SnapshotJoints(index));
-                files.push(self.write_part(name, &joints)?);
+                files.push(self.write_part(name, |path| {
+                    write_joints(path, (&fields.joint_faces, fields.time), cells)
+                })?);
             }
             let ends: Vec<[usize; 2]> = cells.iter().map(|own| [own.start, own.end]).collect();
             Ok((files, json!([name, ends])))
@@ -173,19 +170,20 @@ impl PartWriter<'_> {
     }
 
     /// Writes the final fields of the rank; returns the files of all ranks.
-    pub(super) fn write_fields(&self, fields: &OutputFields) -> Result<RankFiles, RankError> {
-        self.collect_files(
-            self.write_part(self.name(PartFile::Fields), fields).map(|own| vec![own]),
-        )
+    pub(super) fn write_fields(&self, fields: &dyn FieldSource) -> Result<RankFiles, RankError> {
+        let written = self.write_part(self.name(PartFile::Fields), |path| {
+            write_fields(path, fields, self.own_cells())
+        });
+        self.collect_files(written.map(|own| vec![own]))
     }
 
     fn write_part(
         &self,
         name: String,
-        fields: &OutputFields,
+        write: impl FnOnce(&Path) -> Result<(), OutputError>,
     ) -> Result<(String, FileDigest), Error> {
         let path = self.folder.join(&name);
-        let written = write_fields(&path, fields, self.own_cells()).and_then(|()| {
+        let written = write(&path).and_then(|()| {
             FileDigest::from_file(&path)
                 .map_err(|error| OutputError::from_read_error(&path, &error))
         });

@@ -8,7 +8,8 @@ use crate::cli::CommandError;
 use crate::cli::folder::{AppendedFile, OutputError};
 use crate::cli::run::{Checkpoint, FileRecorder};
 use crate::study::simulate::{
-    OutputFields, OutputPart, Recorder, RunProgress, RunRecords, TableHeader, TableKind,
+    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, TableHeader,
+    TableKind,
 };
 use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::{RegularTimes, SimulationState};
@@ -46,15 +47,6 @@ impl<'a, 'b> RankRecorder<'a, 'b> {
     ) -> Self {
         let writer = PartWriter { communicator, case, folder, part: None };
         Self { communicator, recorder, is_resumed, writer, error: None }
-    }
-
-    /// Writes the final fields of the cells of each rank; called by all ranks after the simulation.
-    pub(in crate::cli) fn write_fields(self, fields: &OutputFields) -> Result<(), RankError> {
-        let files = self.writer.write_fields(fields)?;
-        if let Some(recorder) = self.recorder {
-            recorder.run_files_mut().insert_checksums(&files);
-        }
-        Ok(())
     }
 
     /// Reads the own part of the state of the checkpoint; without sections, which match no case, if that fails.
@@ -204,6 +196,23 @@ impl Recorder for RankRecorder<'_, '_> {
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {
         self.call_with_progress(progress, |recorder, progress| recorder.handle_progress(progress))
+    }
+
+    /// Writes the final fields of the cells of each rank.
+    fn record_final_fields(
+        &mut self,
+        fields: &dyn FieldSource,
+    ) -> Result<Option<OutputFields>, Error> {
+        let files = self.writer.write_fields(fields);
+        self.error = files
+            .map(|files| {
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.run_files_mut().insert_checksums(&files);
+                }
+            })
+            .map_err(|error| CommandError::from(error).into())
+            .err();
+        self.call(|_, _| Ok(None), || {})
     }
 
     fn finish(&mut self, progress: &RunProgress) -> Result<RunRecords, Error> {

@@ -6,14 +6,15 @@ use super::checkpoint_timer::CheckpointTimer;
 use super::run_files::{RunFiles, read_records};
 use crate::Error;
 use crate::cli::CommandError;
-use crate::cli::folder::{RunFolder, has_joint_files, snapshot_file_names};
+use crate::cli::folder::{PartFile, RunFolder, has_joint_files, snapshot_file_names};
+use crate::cli::parts::write_fields;
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
 use crate::report::run::{DisplayTime, create_image, create_joint_lines};
 use crate::study::simulate::{
-    OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics, TableHeader,
-    TableKind,
+    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics,
+    TableHeader, TableKind,
 };
 use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
@@ -174,6 +175,18 @@ impl Recorder for FileRecorder<'_> {
         drop(fields);
         let names = snapshot_file_names(case, index);
         Ok(self.run_files.write_snapshot(&image, joints.as_ref(), names)?)
+    }
+
+    /// Writes the final fields of a solid by layers of cells, until they are archived when the solver has been dropped.
+    fn record_final_fields(
+        &mut self,
+        fields: &dyn FieldSource,
+    ) -> Result<Option<OutputFields>, Error> {
+        let Some(part) = &self.part else { return Ok(Some(fields.read_all())) };
+        let RunContext { case, folder, .. } = self.run_context;
+        let path = folder.path().join(PartFile::Fields.name(case, 0));
+        write_fields(&path, fields, &part.cells).map_err(CommandError::from)?;
+        Ok(None)
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

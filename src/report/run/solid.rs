@@ -51,6 +51,19 @@ pub(super) fn create_pictures(
     pictures
 }
 
+/// Returns the names of the quantities whose values the picture of the final state shows.
+pub fn list_drawn_quantities(solid_run: &SolidRun) -> Vec<String> {
+    match solid_run.output.plotted_quantity {
+        PlottedQuantity::Speed => list_velocities(solid_run).collect(),
+        other => vec![other.name().to_string()],
+    }
+}
+
+/// Iterates over the names of the components of the velocity.
+fn list_velocities(solid_run: &SolidRun) -> impl Iterator<Item = String> {
+    (1..=solid_run.grid.dimensions()).map(|axis| format!("v{axis}"))
+}
+
 /// Creates the pictures of receivers and of the energy ledger.
 pub(super) fn create_record_pictures(case: &Case, records: &RunRecords) -> Vec<ReportPicture> {
     let seismograms = records.receivers.as_ref().map(|table| create_seismograms(case, table));
@@ -94,8 +107,8 @@ fn create_figure(
     let section = PlaneSection::new(solid_run);
     let values: Vec<f64> = match shown {
         PlottedQuantity::Speed => {
-            let of_axis = |i| fields.get(&format!("v{i}"));
-            let axes: Vec<&[f64]> = (1..=solid_run.grid.dimensions()).filter_map(of_axis).collect();
+            let of_axis = |name: String| fields.get(&name);
+            let axes: Vec<&[f64]> = list_velocities(solid_run).filter_map(of_axis).collect();
             let of_cell = |cell: usize| {
                 let along = axes.iter().map(|values| cell_value(values, cell));
                 along.fold(0.0, Elementary::root_sum_square)

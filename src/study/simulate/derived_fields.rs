@@ -67,9 +67,8 @@ pub(super) fn porosity(
 
 /// Estimates the largest strain of the fields: the size of a stress component relative to ρc², or of a velocity component to
 /// c, with the density ρ and the largest speed c of the medium of a cell, which is the strain of a plane wave of that stress
-/// or velocity. Returns it if it is larger than 1.
-pub(super) fn find_large_strain(media: &[Medium], fields: &OutputFields) -> Option<f64> {
-    const MAX_SMALL_STRAIN: f64 = 1.0;
+/// or velocity. Values that are not a number do not count.
+pub(super) fn find_largest_strain(media: &[Medium], fields: &OutputFields) -> f64 {
     let scales: Vec<[f64; 2]> = media
         .iter()
         .map(|medium| {
@@ -90,5 +89,5 @@ pub(super) fn find_large_strain(media: &[Medium], fields: &OutputFields) -> Opti
             largest = largest.max(strain);
         }
     }
-    (largest > MAX_SMALL_STRAIN && largest.is_finite()).then_some(largest)
+    largest
 }

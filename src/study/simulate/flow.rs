@@ -20,8 +20,9 @@ use analysis::StateError;
 use analysis::flows::FlowWorkspace;
 use analysis::growth::Verdict;
 use dynamics::flow::{FlowEnergy, FlowProblem, LeftDomain};
-use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
+use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation, Simulation as _};
 use models::common::elementary::Modulus;
+use std::ops::Range;
 
 /// Upper bound of the number of `f64` values stored per grid point: 24, measured for 1024² points, plus those of a
 /// checkpoint and a snapshot.
@@ -217,6 +218,7 @@ impl FlowJob<'_> {
             reconstruction: None,
             velocity_gradient: Some(self.problem.velocity_gradient),
             deformation_gradient: found.fields.deformation_gradient,
+            has_field_values: found.has_field_values,
             fields: found.fields,
             final_ledger: FinalLedger { unit: energy_unit(self.case), terms },
             large_strain: None,
@@ -282,6 +284,21 @@ impl OutputConverter<FlowSimulation> for FlowJob<'_> {
             region_indices: Vec::new(),
             joint_faces: Vec::new(),
         }
+    }
+
+    /// Fields of a flow are computed together.
+    fn layers(&self, _simulation: &FlowSimulation) -> [usize; 2] {
+        [1, self.flow_run.grid.point_count()]
+    }
+
+    fn convert_layers(&self, simulation: &FlowSimulation, _layers: Range<usize>) -> OutputFields {
+        self.convert_fields(simulation, simulation.fields(), simulation.time())
+    }
+
+    fn describe_fields(&self, simulation: &FlowSimulation) -> OutputFields {
+        let mut fields = self.convert_layers(simulation, 0..1);
+        fields.quantities.iter_mut().for_each(|own| own.values.clear());
+        fields
     }
 
     fn step_statistics(&self, simulation: &FlowSimulation, last: &FlowAccount) -> StepStatistics {

@@ -1,8 +1,8 @@
 //! Observer of the simulation driver that converts its output to table rows and fields for a recorder.
 
 use super::{
-    OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics, StopReport,
-    TableHeader, TableKind,
+    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics,
+    StopReport, TableHeader, TableKind,
 };
 use crate::Error;
 use crate::case::Case;
@@ -10,7 +10,9 @@ use crate::case::dynamics::ReceiverPoint;
 use dynamics::simulation::{
     DueSnapshot, Observer, OutputTimes, RegularTimes, Simulation, run_simulation,
 };
+use std::cell::Cell;
 use std::fmt::Display;
+use std::ops::Range;
 
 /// Converter of the output of a solver to table rows, output fields and reports.
 pub(super) trait OutputConverter<S: Simulation> {
@@ -32,6 +34,21 @@ pub(super) trait OutputConverter<S: Simulation> {
     /// Converts the output fields at `time`, s.
     fn convert_fields(&self, simulation: &S, fields: S::Fields, time: f64) -> OutputFields;
 
+    /// Returns the number of layers of cells of this process across the last axis, and the number of cells of each, for
+    /// [`convert_layers`](Self::convert_layers).
+    fn layers(&self, simulation: &S) -> [usize; 2];
+
+    /// Converts the output fields of the present state in some layers of cells; without joints.
+    fn convert_layers(&self, simulation: &S, layers: Range<usize>) -> OutputFields;
+
+    /// Returns the output fields of the present state without values by cell.
+    fn describe_fields(&self, simulation: &S) -> OutputFields;
+
+    /// Estimates the largest strain of the fields of some cells; 0 for flows.
+    fn find_largest_strain(&self, _fields: &OutputFields) -> f64 {
+        0.0
+    }
+
     /// Returns the part of the cells that this process holds; `None` (flows) if there are no parts.
     fn find_part(&self, _simulation: &S) -> Option<OutputPart> {
         None
@@ -47,8 +64,12 @@ pub(super) trait OutputConverter<S: Simulation> {
 /// Result of a simulation before its conversion to a [`RunResult`](super::RunResult); `A` is the type of its energy
 /// account.
 pub(super) struct SimulationOutput<A> {
-    /// Output fields of the final state.
+    /// Output fields of the final state, or their description if the recorder has written their values.
     pub(super) fields: OutputFields,
+    /// Whether `fields` has the values by cell.
+    pub(super) has_field_values: bool,
+    /// Estimate of the largest strain of the final state.
+    pub(super) largest_strain: f64,
     /// Energy account of the final state.
     pub(super) final_account: A,
     pub(super) step_count: usize,
@@ -99,14 +120,48 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
         watch.report_progress_to_recorder(&simulation, &end.last_account, |recorder, now| {
             recorder.finish(now)
         })?;
+    let source = FinalFields { converter, simulation: &simulation, largest_strain: Cell::new(0.0) };
+    let fields = recorder.record_final_fields(&source)?;
+    let largest_strain = source.largest_strain.get();
     Ok(SimulationOutput {
-        fields: converter.convert_fields(&simulation, simulation.fields(), simulation.time()),
+        has_field_values: fields.is_some(),
+        fields: fields.unwrap_or_else(|| converter.describe_fields(&simulation)),
+        largest_strain,
         final_account: end.last_account,
         step_count: simulation.steps(),
         final_time: simulation.time(),
         stop_report: end.fault.map(|fault| converter.stop_report(&fault, simulation.time())),
         records,
     })
+}
+
+/// Output fields of the final state of a simulation.
+struct FinalFields<'a, S, V> {
+    converter: &'a V,
+    simulation: &'a S,
+    /// Largest strain of the fields that have been read.
+    largest_strain: Cell<f64>,
+}
+
+impl<S: Simulation, V: OutputConverter<S>> FieldSource for FinalFields<'_, S, V> {
+    fn describe(&self) -> OutputFields {
+        self.converter.describe_fields(self.simulation)
+    }
+
+    fn layer_count(&self) -> usize {
+        self.converter.layers(self.simulation)[0]
+    }
+
+    fn layer_size(&self) -> usize {
+        self.converter.layers(self.simulation)[1]
+    }
+
+    fn read_layers(&self, layers: Range<usize>) -> OutputFields {
+        let fields = self.converter.convert_layers(self.simulation, layers);
+        let strain = self.converter.find_largest_strain(&fields);
+        self.largest_strain.set(self.largest_strain.get().max(strain));
+        fields
+    }
 }
 
 /// Observer that converts driver output and passes it to the recorder.

@@ -118,6 +118,27 @@ impl OutputPart {
     }
 }
 
+/// Output fields of a state, which are computed when they are asked for.
+pub trait FieldSource {
+    /// Returns all but the values by cell: time, coordinates, names of the quantities, and joints.
+    fn describe(&self) -> OutputFields;
+
+    /// Returns the number of layers of the cells of this process across the last axis; 1 if they cannot be read one by one.
+    fn layer_count(&self) -> usize;
+
+    /// Returns the number of cells of a layer.
+    fn layer_size(&self) -> usize;
+
+    /// Returns the values of the cells of some layers; without joints.
+    fn read_layers(&self, layers: Range<usize>) -> OutputFields;
+
+    /// Returns all fields.
+    fn read_all(&self) -> OutputFields {
+        let joint_faces = self.describe().joint_faces;
+        OutputFields { joint_faces, ..self.read_layers(0..self.layer_count()) }
+    }
+}
+
 /// Recorder of the output of a simulation. An error returned by any method ends the run.
 pub trait Recorder: Send {
     /// Returns the communication between the ranks that make the simulation together; `None` if this process makes it
@@ -173,6 +194,19 @@ pub trait Recorder: Send {
     /// # Errors
     /// The run is interrupted.
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error>;
+
+    /// Takes the fields of the final state, after [`finish`](Self::finish), and returns those with all values that the
+    /// result keeps; `None` if it keeps a [description](FieldSource::describe) of them. All fields together take as much
+    /// memory as the state.
+    ///
+    /// # Errors
+    /// The fields cannot be recorded.
+    fn record_final_fields(
+        &mut self,
+        fields: &dyn FieldSource,
+    ) -> Result<Option<OutputFields>, Error> {
+        Ok(Some(fields.read_all()))
+    }
 
     /// Ends recording after the last step and returns the records.
     ///

@@ -73,6 +73,9 @@ pub struct RunResult {
     /// Whether the fields are those of the cells of one of several ranks.
     #[serde(skip)]
     pub is_part: bool,
+    /// Whether the fields have values; a recorder may have written them instead.
+    #[serde(skip)]
+    pub has_field_values: bool,
 }
 
 fn serialize_quantity_names<S: Serializer>(
@@ -318,6 +321,7 @@ mod tests {
             receivers: Vec::new(),
             stop_report: None,
             is_part: false,
+            has_field_values: true,
             records: RunRecords::default(),
         }
     }

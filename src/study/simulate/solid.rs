@@ -1,7 +1,9 @@
 //! Simulation of a solid.
 
+mod memory;
+
 use super::cost::OutputVolume;
-use super::derived_fields::{add_volumetric_strain, find_large_strain, porosity};
+use super::derived_fields::{add_volumetric_strain, find_largest_strain, porosity};
 use super::observer::{
     OutputConverter, SimulationOutput, create_output_times, create_receiver_table,
     run_with_recorder,
@@ -9,14 +11,14 @@ use super::observer::{
 use super::plan::snapshot_count;
 use super::recorder::energy_unit;
 use super::{
-    Bytes, Cost, FieldQuantity, FinalLedger, IllPosedness, JointFace, JointSummary, OutputFields,
+    Cost, FieldQuantity, FinalLedger, IllPosedness, JointFace, JointSummary, OutputFields,
     OutputPart, ProblemSize, Recorder, RunReceiver, RunResult, SimulationJob, SimulationPlan,
     SimulationWarning, StepStatistics, StopCause, StopReport, TableHeader, TableKind,
 };
 use crate::Error;
 use crate::case::dynamics::{
-    Blocks, BoundaryConditionKind, BoundaryFace, CourantWaves, DimensionalSplitting, FaceCondition,
-    FaceLoad, Kernel, LedgerDetail, LoadedArea, Precision, SolidRun, StateComponent, TimeFunction,
+    Blocks, CourantWaves, FaceLoad, Kernel, LedgerDetail, LoadedArea, Precision, SolidRun,
+    StateComponent, TimeFunction,
 };
 use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{
@@ -25,59 +27,20 @@ use crate::setup::solid_run::{
 use crate::study::decide_solid_verdict;
 use dynamics::SolverReal;
 use dynamics::decomposition::communicator::Communicator;
-use dynamics::domain::memory_bytes;
 use dynamics::medium::Medium;
 use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
     TimeSteps,
 };
 use models::common::decimal::ToPlainText;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
 
-/// Memory of the program during a simulation, bytes, by measurement.
-const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
-
-/// Memory for drawing one picture, bytes, by measurement; the pictures are drawn one after the other, when the solver
-/// has been dropped.
-const PICTURE_MEMORY_BYTES: f64 = 46.0 * 1048576.0;
-
-/// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
-const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
-
-/// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
-/// or along the last two axes in three, by measurement: interface states, in three dimensions with boundary values.
-const NUMBERS_PER_LINE: [f64; 2] = [5.7, 12.0];
-
-/// Memory per pair of waves for both faces at the ends of a line of cells, bytes, by measurement: the condition of the
-/// case, its position and that of the solver; by number of dimensions.
-const BYTES_PER_BOUNDARY_LINE: [f64; 2] = [67.0, 5.0];
-
-/// The same with the solver of ledgers with numerical dissipation, in any number of dimensions.
-const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
-
-/// Number of SIMD lanes that pad a row of lines, by measurement.
-const PADDING_LANES: usize = 10;
-
-/// Memory of lists of values by cell relative to the values, by measurement: lists grow in steps.
-const LIST_EXCESS: f64 = 1.17;
-
-/// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
-const SNAPSHOT_COPIES: f64 = 4.25;
-
-/// Numbers per cell for the dissipation of a yielding solid, by measurement: in the solver, in the checkpoint and for
-/// output.
-const DISSIPATION_NUMBERS: f64 = 4.0;
-
 /// Number of values that the output stores per face of a joint: state, position and ends.
 const NUMBERS_PER_JOINT_FACE: f64 = 16.0;
-
-/// Memory of a face of a joint in multiples of its output, by measurement, without and with snapshots: history
-/// variables, their copies for checkpoints, lists of faces, and copies of the output while files and pictures are
-/// created.
-const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 /// Simulation of a solid, with its case and the media of its regions or blocks.
 pub(super) struct SolidJob<'a> {
@@ -99,124 +62,8 @@ impl<'a> SolidJob<'a> {
         Ok(Self { case, solid_run, media, quantity_names: names })
     }
 
-    /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
-    /// values, of joints, and of the copies of the fields for a checkpoint, for the results or for a snapshot, whichever
-    /// is largest; plus all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger,
-    /// since pictures are drawn when the solver has been dropped. Freed copies stay with the allocator, so that they
-    /// count in both cases. Of several ranks each has a share of all but the program and the boundaries: `own_share` of the
-    /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
-    pub(super) fn estimate_memory(
-        &self,
-        keeps_snapshots: bool,
-        [own_share, stored_share]: [f64; 2],
-    ) -> Bytes {
-        let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
-        let wide = size_of::<f64>() as f64;
-        let saved = (Medium::state_fields(&self.media).len() * self.number_size()) as f64;
-        let shown = wide * self.quantity_names.len() as f64;
-        let checkpoint = 2.0 * saved + 2.0 * wide * output.integrated_components.len() as f64;
-        let dissipation = if self.yields() { DISSIPATION_NUMBERS * wide } else { 0.0 };
-        let results = LIST_EXCESS * (checkpoint.max(saved + shown) + dissipation);
-        let has_snapshots = output.snapshot_interval > 0.0;
-        let snapshot = match has_snapshots {
-            true => SNAPSHOT_COPIES * wide * self.numbers_per_snapshot_cell() as f64,
-            false => 0.0,
-        };
-        let kept = match keeps_snapshots {
-            true => snapshot_count(output.snapshot_interval, time.duration),
-            false => 0.0,
-        };
-        let per_cell = results.max(snapshot)
-            + kept * shown
-            + wide * initial.len() as f64
-            + size_of::<u16>() as f64;
-        let joint_faces = self.joint_face_count() as f64;
-        let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
-        let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
-        let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
-        let [solver, boundaries] = self.estimate_solver_memory();
-        // All ranks have the values at boundaries.
-        let cells = own_share * grid.cell_count() as f64;
-        let (solver, joints) = (stored_share * solver, own_share * joints);
-        Bytes(
-            PROGRAM_MEMORY_BYTES
-                + boundaries
-                + cells * per_cell
-                + joints
-                + solver.max(PICTURE_MEMORY_BYTES + joint_pictures),
-        )
-    }
-
-    /// Estimates the memory of the solver, bytes: of the fields, and of values by line and at boundaries.
-    fn estimate_solver_memory(&self) -> [f64; 2] {
-        let SolidRun { grid, scheme, .. } = self.solid_run;
-        let fields = Medium::state_fields(&self.media).len();
-        let number = self.number_size() as f64;
-        let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
-        let boundary_lines = lines as f64 * pairs;
-        if scheme.ledger_detail == LedgerDetail::TotalsAndDissipation {
-            let solver = grid.cell_count() as f64 * fields as f64 * number;
-            return [solver, BYTES_PER_REFERENCE_BOUNDARY_LINE * boundary_lines];
-        }
-        let cells = self.solver_cells();
-        let (line_count, dimensions) = match cells[..] {
-            [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3), 1),
-            [n1, _] => (n1, 0),
-            _ => (0, 0),
-        };
-        let solver = match scheme.precision {
-            Precision::F64 => memory_bytes::<f64>(&cells, fields),
-            Precision::F32 => memory_bytes::<f32>(&cells, fields),
-        };
-        let line_values = NUMBERS_PER_LINE[dimensions] * line_count as f64 * pairs * number;
-        let boundary_values = BYTES_PER_BOUNDARY_LINE[dimensions] * boundary_lines;
-        [solver, line_values + boundary_values]
-    }
-
-    /// Returns the size of a number of the solver, bytes.
-    const fn number_size(&self) -> usize {
-        match self.solid_run.scheme.precision {
-            Precision::F64 => size_of::<f64>(),
-            Precision::F32 => size_of::<f32>(),
-        }
-    }
-
     fn yields(&self) -> bool {
         self.media.iter().any(|medium| medium.is_plastic())
-    }
-
-    /// Returns the numbers of cells in the axis order of the solver, as
-    /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
-    /// splitting the last axis with a reflecting boundary is moved to the front.
-    fn solver_cells(&self) -> Vec<usize> {
-        let SolidRun { grid, scheme, .. } = self.solid_run;
-        let mut cells = grid.cells.clone();
-        if cells.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
-            let is_reflecting = |own: &FaceCondition| match own.condition {
-                BoundaryConditionKind::Free
-                | BoundaryConditionKind::Fixed
-                | BoundaryConditionKind::Mixed { .. } => true,
-                BoundaryConditionKind::Symmetry
-                | BoundaryConditionKind::Antisymmetry
-                | BoundaryConditionKind::Periodic
-                | BoundaryConditionKind::NonReflecting => false,
-            };
-            let has_reflecting_face = |axis: &usize| {
-                [false, true].into_iter().any(|is_upper| {
-                    let face = BoundaryFace { axis: *axis, is_upper };
-                    // Only conditions from the last one of the whole face on apply; a face without condition is free.
-                    let conditions = &self.solid_run.boundary_conditions;
-                    let of_face: Vec<_> =
-                        conditions.iter().filter(|own| own.face == face).collect();
-                    let whole = of_face.iter().rposition(|own| own.rectangle.is_none());
-                    whole.is_none_or(|whole| of_face[whole..].iter().any(|own| is_reflecting(own)))
-                })
-            };
-            let first = (0..3).rev().find(has_reflecting_face).unwrap_or(0);
-            cells[..=first].rotate_right(1);
-        }
-        cells
     }
 
     /// Returns the number of faces of all joints.
@@ -473,7 +320,9 @@ impl SolidJob<'_> {
 
     fn create_result(&self, steps: TimeSteps, found: SimulationOutput<SolidAccount>) -> RunResult {
         let solid_run = self.solid_run;
-        let large_strain = find_large_strain(&self.media, &found.fields);
+        const MAX_SMALL_STRAIN: f64 = 1.0;
+        let strain = found.largest_strain;
+        let large_strain = (strain > MAX_SMALL_STRAIN && strain.is_finite()).then_some(strain);
         let mut terms = self.ledger_terms(&found.final_account);
         terms.insert(2, ("at_start", found.final_account.initial_energy));
         let receiver = |own: &crate::case::dynamics::ReceiverPoint<_>| RunReceiver {
@@ -507,6 +356,51 @@ impl SolidJob<'_> {
             stop_report: found.stop_report,
             records: found.records,
             is_part: false,
+            has_field_values: found.has_field_values,
+        }
+    }
+
+    /// Returns the coordinates along each axis of the cells of some layers of this process, m.
+    fn cell_centres<T: SolverReal, const D: usize>(
+        &self,
+        simulation: &SolidSimulation<T, D>,
+        layers: &Range<usize>,
+    ) -> Vec<Vec<f64>> {
+        let mut cells = simulation.own_cells().clone();
+        let first = cells[D - 1].start;
+        cells[D - 1] = first + layers.start..first + layers.end;
+        let centre = |axis: usize, index| self.solid_run.grid.cell_centre(axis, index);
+        let along = cells.into_iter().enumerate();
+        along.map(|(axis, own)| own.map(|index| centre(axis, index)).collect()).collect()
+    }
+
+    /// Converts the output fields of the cells of some layers of this process at a time, s.
+    fn convert_cells<T: SolverReal, const D: usize>(
+        &self,
+        simulation: &SolidSimulation<T, D>,
+        (layers, fields): (Range<usize>, SolidFields),
+        time: f64,
+    ) -> OutputFields {
+        let grid = &self.solid_run.grid;
+        let has_regions =
+            self.solid_run.materials().len() > usize::from(self.solid_run.blocks.is_some());
+        let joint = |(face, record)| JointFace::new(grid, &face, record);
+        let named = self.quantity_names.iter().zip(fields.values);
+        let mut quantities: Vec<FieldQuantity> =
+            named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect();
+        // Indices of media fit u16.
+        let cell_media: Vec<u16> =
+            simulation.cell_media_in(layers.clone()).map(|own| own as u16).collect();
+        quantities.extend(porosity(&self.media, &cell_media, &quantities));
+        add_volumetric_strain(&self.media, &cell_media, &mut quantities);
+        OutputFields {
+            time,
+            coordinates: self.cell_centres(simulation, &layers),
+            deformation_gradient: None,
+            quantities,
+            plastic_dissipation: fields.plastic_dissipation,
+            region_indices: if has_regions { cell_media } else { Vec::new() },
+            joint_faces: fields.interlayers.into_iter().map(joint).collect(),
         }
     }
 }
@@ -534,29 +428,36 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         fields: SolidFields,
         time: f64,
     ) -> OutputFields {
-        let grid = &self.solid_run.grid;
-        let cells = simulation.own_cells();
-        let middles =
-            |axis: usize| cells[axis].clone().map(|i| grid.cell_centre(axis, i)).collect();
-        let has_regions =
-            self.solid_run.materials().len() > usize::from(self.solid_run.blocks.is_some());
-        let joint = |(face, record)| JointFace::new(grid, &face, record);
-        let named = self.quantity_names.iter().zip(fields.values);
-        let mut quantities: Vec<FieldQuantity> =
-            named.map(|(name, own)| FieldQuantity::new(name.clone(), own)).collect();
-        // Indices of media fit u16.
-        let cell_media: Vec<u16> = simulation.own_cell_media().map(|own| own as u16).collect();
-        quantities.extend(porosity(&self.media, &cell_media, &quantities));
-        add_volumetric_strain(&self.media, &cell_media, &mut quantities);
+        let [layer_count, _] = self.layers(simulation);
+        self.convert_cells(simulation, (0..layer_count, fields), time)
+    }
+
+    fn layers(&self, simulation: &SolidSimulation<T, D>) -> [usize; 2] {
+        [simulation.own_cells()[D - 1].len(), simulation.layer_size()]
+    }
+
+    fn convert_layers(
+        &self,
+        simulation: &SolidSimulation<T, D>,
+        layers: Range<usize>,
+    ) -> OutputFields {
+        let fields = simulation.fields_in(layers.clone());
+        self.convert_cells(simulation, (layers, fields), simulation.time())
+    }
+
+    fn describe_fields(&self, simulation: &SolidSimulation<T, D>) -> OutputFields {
+        let interlayers = simulation.interlayer_records();
+        let [layer_count, _] = self.layers(simulation);
+        let fields = SolidFields { interlayers, ..simulation.fields_in(0..0) };
+        let coordinates = self.cell_centres(simulation, &(0..layer_count));
         OutputFields {
-            time,
-            coordinates: (0..D).map(middles).collect(),
-            deformation_gradient: None,
-            quantities,
-            plastic_dissipation: fields.plastic_dissipation,
-            region_indices: if has_regions { cell_media } else { Vec::new() },
-            joint_faces: fields.interlayers.into_iter().map(joint).collect(),
+            coordinates,
+            ..self.convert_cells(simulation, (0..0, fields), simulation.time())
         }
+    }
+
+    fn find_largest_strain(&self, fields: &OutputFields) -> f64 {
+        find_largest_strain(&self.media, fields)
     }
 
     fn find_part(&self, simulation: &SolidSimulation<T, D>) -> Option<OutputPart> {

@@ -37,6 +37,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         dissipation.into_iter().chain(integrals).collect()
     }
 
+    /// Whether the plastic dissipation is stored by cell.
+    pub(crate) fn has_plastic_dissipation(&self) -> bool {
+        !self.diagnostics.dissipation.plastic_dissipation.is_empty()
+    }
+
+    /// Returns the plastic dissipation in an owned cell, J/m³; it must be stored.
+    pub(crate) fn plastic_dissipation(&self, cell: usize) -> f64 {
+        let cell = self.layout.flat_lane_index::<T>(self.layout.local_cell(cell));
+        self.diagnostics.dissipation.plastic_dissipation[cell]
+    }
+
     /// Returns the values of owned cells, in the order of the cells, from a list by group and lane; none if the list is
     /// empty.
     fn owned_lane_values(&self, values: &[f64]) -> impl Iterator<Item = f64> {

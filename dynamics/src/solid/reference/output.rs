@@ -9,9 +9,11 @@ use crate::solid::ghosts::BoundaryFaces;
 use crate::solid::ledger::{EnergySums, WorkSums};
 use crate::solid::line;
 use crate::solid::medium::{energy_terms_by_medium, stress_component};
+use crate::solid::region::Region;
 use crate::solid::snapshot::{Snapshot, StatePart};
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
+use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Returns the number of output quantities per cell: fields and time integrals.
@@ -100,20 +102,45 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Returns the output quantities by cell (first axis fastest) at the time of the solver: all fields, with total
     /// stresses projected onto their yield sets, then the time integrals.
     pub fn output_values(&self) -> Vec<Vec<f64>> {
+        self.output_values_in(0..self.layer_count())
+    }
+
+    /// Returns the output quantities as [`output_values`](Self::output_values) does, of the cells of some layers across the
+    /// last axis of the problem.
+    pub fn output_values_in(&self, layers: Range<usize>) -> Vec<Vec<f64>> {
         let mut fields = vec![Vec::new(); self.quantity_count()];
         let (mut state, boundaries) = (Vec::new(), self.closing_boundaries());
         let length = self.problem.grid.cells[0];
-        for row in 0..self.problem.grid.faces(0) {
-            let completed = self.complete_row(row, boundaries.as_ref());
-            for cell in row * length..(row + 1) * length {
-                state.clear();
-                self.output_cell(cell, &completed, &mut state);
-                for (values, value) in fields.iter_mut().zip(&state) {
-                    values.push(*value);
-                }
+        let mut completed = (usize::MAX, Vec::new());
+        let cells = self.layer_box(layers);
+        for cell in
+            Region::from_box(self.problem.grid.cells, cells.clone()).owned_global_cell_iter()
+        {
+            let row = cell / length;
+            if completed.0 != row {
+                completed = (row, self.complete_row(row, boundaries.as_ref()));
+            }
+            state.clear();
+            self.output_cell(cell, &completed.1, &mut state);
+            for (values, value) in fields.iter_mut().zip(&state) {
+                values.push(*value);
             }
         }
-        fields.into_iter().map(|values| self.permutation.unpermute(values)).collect()
+        let permutation = self.permutation.restrict_to_box(&cells);
+        fields.into_iter().map(|values| permutation.unpermute(values)).collect()
+    }
+
+    /// Returns the number of layers across the last axis of the problem.
+    fn layer_count(&self) -> usize {
+        self.permutation.unpermute_axis_values(self.problem.grid.cells)[D - 1]
+    }
+
+    /// Returns the cells of some layers across the last axis of the problem, along the permuted axes.
+    fn layer_box(&self, layers: Range<usize>) -> [Range<usize>; D] {
+        let counts = self.permutation.unpermute_axis_values(self.problem.grid.cells);
+        let mut cells = counts.map(|count| 0..count);
+        cells[D - 1] = layers;
+        self.permutation.permute_axis_ranges(&cells)
     }
 
     /// Appends the output quantities of a cell; `row`: fields of its row at the time of the solver, from
@@ -202,7 +229,17 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Returns the plastic dissipation by cell, J/m³; empty if no medium yields.
     pub fn plastic_dissipation(&self) -> Vec<f64> {
-        self.permutation.unpermute(self.dissipation.plastic_dissipation.clone())
+        self.plastic_dissipation_in(0..self.layer_count())
+    }
+
+    /// Returns the plastic dissipation as [`plastic_dissipation`](Self::plastic_dissipation) does, of the cells of some layers
+    /// across the last axis of the problem.
+    pub fn plastic_dissipation_in(&self, layers: Range<usize>) -> Vec<f64> {
+        let values = &self.dissipation.plastic_dissipation;
+        let cells = self.layer_box(layers);
+        let region = Region::from_box(self.problem.grid.cells, cells.clone());
+        let own = region.owned_global_cell_iter().filter_map(|cell| values.get(cell).copied());
+        self.permutation.restrict_to_box(&cells).unpermute(own.collect())
     }
 
     /// Computes the exact sums of the energies over cells and interlayers.

@@ -1,0 +1,167 @@
+//! Estimate of the memory of a simulation of a solid.
+
+use super::{NUMBERS_PER_JOINT_FACE, SolidJob};
+use crate::case::dynamics::{
+    BoundaryConditionKind, BoundaryFace, DimensionalSplitting, FaceCondition, LedgerDetail,
+    Precision, SolidRun,
+};
+use crate::study::simulate::Bytes;
+use crate::study::simulate::plan::snapshot_count;
+use dynamics::domain::memory_bytes;
+use dynamics::medium::Medium;
+
+/// Memory of the program during a simulation, bytes, by measurement.
+const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
+
+/// Memory for drawing one picture, bytes, by measurement; the pictures are drawn one after the other, when the solver
+/// has been dropped.
+const PICTURE_MEMORY_BYTES: f64 = 46.0 * 1048576.0;
+
+/// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
+const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
+
+/// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
+/// or along the last two axes in three, by measurement: interface states, in three dimensions with boundary values.
+const NUMBERS_PER_LINE: [f64; 2] = [5.7, 12.0];
+
+/// Memory per pair of waves for both faces at the ends of a line of cells, bytes, by measurement: the condition of the
+/// case, its position and that of the solver; by number of dimensions.
+const BYTES_PER_BOUNDARY_LINE: [f64; 2] = [67.0, 5.0];
+
+/// The same with the solver of ledgers with numerical dissipation, in any number of dimensions.
+const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
+
+/// Number of SIMD lanes that pad a row of lines, by measurement.
+const PADDING_LANES: usize = 10;
+
+/// Memory of lists of values by cell relative to the values, by measurement: lists grow in steps.
+const LIST_EXCESS: f64 = 1.17;
+
+/// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
+const SNAPSHOT_COPIES: f64 = 4.25;
+
+/// Numbers per cell for the dissipation of a yielding solid, by measurement: in the solver, in the checkpoint and for
+/// output.
+const DISSIPATION_NUMBERS: f64 = 4.0;
+
+/// Memory of a face of a joint in multiples of its output, by measurement, without and with snapshots: history
+/// variables, their copies for checkpoints, lists of faces, and copies of the output while files and pictures are
+/// created.
+const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
+
+impl SolidJob<'_> {
+    /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
+    /// values, of joints, and of the copies of the fields for a checkpoint or for a snapshot, whichever is larger; plus all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger,
+    /// since pictures are drawn when the solver has been dropped. Freed copies stay with the allocator, so that they
+    /// count in both cases. Of several ranks each has a share of all but the program and the boundaries: `own_share` of the
+    /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
+    pub(in crate::study::simulate) fn estimate_memory(
+        &self,
+        keeps_snapshots: bool,
+        [own_share, stored_share]: [f64; 2],
+    ) -> Bytes {
+        let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
+        let wide = size_of::<f64>() as f64;
+        let saved = (Medium::state_fields(&self.media).len() * self.number_size()) as f64;
+        let shown = wide * self.quantity_names.len() as f64;
+        let checkpoint = 2.0 * saved + 2.0 * wide * output.integrated_components.len() as f64;
+        let dissipation = if self.yields() { DISSIPATION_NUMBERS * wide } else { 0.0 };
+        let checkpoints = LIST_EXCESS * (checkpoint + dissipation);
+        let has_snapshots = output.snapshot_interval > 0.0;
+        let snapshot = match has_snapshots {
+            true => SNAPSHOT_COPIES * wide * self.numbers_per_snapshot_cell() as f64,
+            false => 0.0,
+        };
+        let kept = match keeps_snapshots {
+            true => snapshot_count(output.snapshot_interval, time.duration),
+            false => 0.0,
+        };
+        let per_cell = checkpoints.max(snapshot)
+            + kept * shown
+            + wide * initial.len() as f64
+            + size_of::<u16>() as f64;
+        let joint_faces = self.joint_face_count() as f64;
+        let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
+        let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
+        let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
+        let [solver, boundaries] = self.estimate_solver_memory();
+        // All ranks have the values at boundaries.
+        let cells = own_share * grid.cell_count() as f64;
+        let (solver, joints) = (stored_share * solver, own_share * joints);
+        Bytes(
+            PROGRAM_MEMORY_BYTES
+                + boundaries
+                + cells * per_cell
+                + joints
+                + solver.max(PICTURE_MEMORY_BYTES + joint_pictures),
+        )
+    }
+
+    /// Estimates the memory of the solver, bytes: of the fields, and of values by line and at boundaries.
+    fn estimate_solver_memory(&self) -> [f64; 2] {
+        let SolidRun { grid, scheme, .. } = self.solid_run;
+        let fields = Medium::state_fields(&self.media).len();
+        let number = self.number_size() as f64;
+        let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0) as f64;
+        let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
+        let boundary_lines = lines as f64 * pairs;
+        if scheme.ledger_detail == LedgerDetail::TotalsAndDissipation {
+            let solver = grid.cell_count() as f64 * fields as f64 * number;
+            return [solver, BYTES_PER_REFERENCE_BOUNDARY_LINE * boundary_lines];
+        }
+        let cells = self.solver_cells();
+        let (line_count, dimensions) = match cells[..] {
+            [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3), 1),
+            [n1, _] => (n1, 0),
+            _ => (0, 0),
+        };
+        let solver = match scheme.precision {
+            Precision::F64 => memory_bytes::<f64>(&cells, fields),
+            Precision::F32 => memory_bytes::<f32>(&cells, fields),
+        };
+        let line_values = NUMBERS_PER_LINE[dimensions] * line_count as f64 * pairs * number;
+        let boundary_values = BYTES_PER_BOUNDARY_LINE[dimensions] * boundary_lines;
+        [solver, line_values + boundary_values]
+    }
+
+    /// Returns the size of a number of the solver, bytes.
+    const fn number_size(&self) -> usize {
+        match self.solid_run.scheme.precision {
+            Precision::F64 => size_of::<f64>(),
+            Precision::F32 => size_of::<f32>(),
+        }
+    }
+
+    /// Returns the numbers of cells in the axis order of the solver, as
+    /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
+    /// splitting the last axis with a reflecting boundary is moved to the front.
+    fn solver_cells(&self) -> Vec<usize> {
+        let SolidRun { grid, scheme, .. } = self.solid_run;
+        let mut cells = grid.cells.clone();
+        if cells.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
+            let is_reflecting = |own: &FaceCondition| match own.condition {
+                BoundaryConditionKind::Free
+                | BoundaryConditionKind::Fixed
+                | BoundaryConditionKind::Mixed { .. } => true,
+                BoundaryConditionKind::Symmetry
+                | BoundaryConditionKind::Antisymmetry
+                | BoundaryConditionKind::Periodic
+                | BoundaryConditionKind::NonReflecting => false,
+            };
+            let has_reflecting_face = |axis: &usize| {
+                [false, true].into_iter().any(|is_upper| {
+                    let face = BoundaryFace { axis: *axis, is_upper };
+                    // Only conditions from the last one of the whole face on apply; a face without condition is free.
+                    let conditions = &self.solid_run.boundary_conditions;
+                    let of_face: Vec<_> =
+                        conditions.iter().filter(|own| own.face == face).collect();
+                    let whole = of_face.iter().rposition(|own| own.rectangle.is_none());
+                    whole.is_none_or(|whole| of_face[whole..].iter().any(|own| is_reflecting(own)))
+                })
+            };
+            let first = (0..3).rev().find(has_reflecting_face).unwrap_or(0);
+            cells[..=first].rotate_right(1);
+        }
+        cells
+    }
+}
