@@ -18,7 +18,7 @@ const END_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// MPI launcher of this machine.
 #[derive(Clone, Debug)]
-struct Launcher {
+pub(crate) struct Launcher {
     program: PathBuf,
     /// File of the MPI library, if it is not where the system looks for libraries.
     library: Option<PathBuf>,
@@ -27,7 +27,7 @@ struct Launcher {
 
 impl Launcher {
     /// Finds the launchers of this machine, and says what there is not.
-    fn find_all() -> Vec<Self> {
+    pub(crate) fn find_all() -> Vec<Self> {
         let path = std::env::var_os("PATH").unwrap_or_default();
         let find = |name: &str| {
             std::env::split_paths(&path).map(|own| own.join(name)).find(|own| own.is_file())
@@ -63,7 +63,7 @@ impl Launcher {
     }
 
     /// Creates a command that starts `ranks` processes of the program in a folder, with one thread each.
-    fn create_command(&self, folder: &Path, ranks: usize, arguments: &str) -> Command {
+    pub(crate) fn create_command(&self, folder: &Path, ranks: usize, arguments: &str) -> Command {
         self.create_command_of(PROGRAM_PATH, folder, ranks, arguments)
     }
 
@@ -96,7 +96,7 @@ impl Launcher {
     }
 
     /// Runs the program, which must end with `code`; returns standard output and the errors that it printed.
-    fn run_with_exit_code(
+    pub(crate) fn run_with_exit_code(
         &self,
         code: i32,
         folder: &Path,
@@ -116,7 +116,7 @@ fn check_output(code: i32, output: Output, arguments: &str) -> (String, Vec<Stri
 }
 
 /// Waits for the end of a process; kills it after [`END_TIMEOUT`].
-fn wait_for_end(child: Child) -> Output {
+pub(crate) fn wait_for_end(child: Child) -> Output {
     let (id, start) = (child.id(), Instant::now());
     let (end, ended) = std::sync::mpsc::channel::<()>();
     let watch = std::thread::spawn(move || {
@@ -132,7 +132,7 @@ fn wait_for_end(child: Child) -> Output {
 }
 
 /// Options of runs whose pictures are not compared: rank 0 draws them from the files that are.
-const WITHOUT_PICTURES: &str = "--pictures none --animations none";
+pub(crate) const WITHOUT_PICTURES: &str = "--pictures none --animations none";
 
 /// Returns the yielding solid without the numerical dissipation in its ledger, which takes one process.
 fn solid_case() -> String {
@@ -359,14 +359,14 @@ fn ranks_have_the_planned_parts() {
 }
 
 /// Lists the files in a folder that ranks have written for their own cells.
-fn list_parts(folder: &Path) -> Vec<String> {
+pub(crate) fn list_parts(folder: &Path) -> Vec<String> {
     let names = fs::read_dir(folder).unwrap().map(|own| own.unwrap().file_name());
     let names = names.map(|name| name.to_string_lossy().into_owned());
     names.filter(|name| name.ends_with(".part") || name.ends_with(".pvti")).collect()
 }
 
 /// Returns the processes of the program in a folder.
-fn find_processes(folder: &Path) -> Vec<u32> {
+pub(crate) fn find_processes(folder: &Path) -> Vec<u32> {
     let process = |entry: fs::DirEntry| {
         let path = entry.path();
         let id = entry.file_name().to_str()?.parse().ok()?;

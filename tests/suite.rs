@@ -90,6 +90,8 @@ mod polar_grids;
 mod profiles;
 #[path = "ranges.rs"]
 mod ranges;
+#[path = "rank_matrix.rs"]
+mod rank_matrix;
 #[path = "ranks.rs"]
 mod ranks;
 #[path = "receivers.rs"]
