@@ -67,5 +67,9 @@ fn compute_map(
             study::compute_map_on_ranks(case, options, communicator, &study::ignore_progress)
         }),
     };
+    if let Err(error @ crate::Error::Memory { .. }) = &found {
+        // The other ranks wait for the points of this one.
+        communicator.abort(&error.to_string());
+    }
     Ok((found?, pool))
 }

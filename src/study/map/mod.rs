@@ -150,7 +150,7 @@ pub fn check_map_memory(case: &Case) -> Result<(), Error> {
     let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
     let needed = Bytes(PROGRAM_MEMORY_BYTES + points * (of_point + size_of::<f64>()) as f64);
     let Some(available) = AvailableMemory::find_shortage(needed) else { return Ok(()) };
-    let found = format!("found {points} points, memory {needed}, more than {available}");
+    let found = format!("{points} points, memory {needed}, more than {available}");
     Err(case
         .locate_error(InputError {
             input: "map.x.points",
