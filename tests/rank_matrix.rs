@@ -33,8 +33,8 @@ const PERIODIC: &str = "[[boundary]]\nside = 'x1-'\nkind = 'periodic'\n[[boundar
 /// Composes a case in `D` dimensions of a model and further sections, with a load, a receiver and snapshots.
 fn compose<const D: usize>(model: &str, sections: &str) -> String {
     let (cells, at, component, position) = match D {
-        2 => ("[37, 34]", "[8]", "22", "[8, 12]"),
-        _ => ("[16, 18, 20]", "[4, 5]", "33", "[4, 5, 6]"),
+        2 => ("[37, 64]", "[8]", "22", "[8, 12]"),
+        _ => ("[16, 18, 60]", "[4, 5]", "33", "[4, 5, 6]"),
     };
     format!(
         "[model]\n{model}dimensions = {D}\n{sections}[grid]\ncells = {cells}\nspacing = 0.5\n[time]\nduration = 0.03\n\
@@ -52,6 +52,13 @@ fn cases() -> Vec<(&'static str, String)> {
     let porous = "[porous]\nporosity = 0.001\nyield_stress = 1e5\ncontact_bulk_modulus = 1e7\n";
     let alternating = "[scheme]\nsplitting = 'alternating'\n";
     vec![
+        ("sixth-order", compose::<2>(COSSERAT, &format!("{PERIODIC}{}", order("sixth-order")))),
+        ("eighth-order", compose::<2>(CLASSICAL, &order("eighth-order"))),
+        ("classical-space", compose::<3>(CLASSICAL, OPEN_SIDES)),
+        ("layered-space", compose::<3>(CLASSICAL, LAYERS)),
+        ("yielding-space", compose::<3>(COSSERAT, &format!("{YIELD}{OPEN_SIDES}"))),
+        ("sixth-order-space", compose::<3>(COSSERAT, &order("sixth-order"))),
+        ("eighth-order-space", compose::<3>(CLASSICAL, &order("eighth-order"))),
         ("classical-plane", compose::<2>(CLASSICAL, OPEN_SIDES)),
         ("cosserat-plane", compose::<2>(COSSERAT, &format!("{PERIODIC}{}", order("fourth-order")))),
         ("yielding-plane", compose::<2>(COSSERAT, &format!("{YIELD}{OPEN_SIDES}"))),
@@ -60,13 +67,6 @@ fn cases() -> Vec<(&'static str, String)> {
         ("porous", compose::<2>(CLASSICAL, porous)),
         ("joints", JOINT_CASE.replace("duration = 6e-4", "duration = 2e-4")),
         ("fluid", include_str!("data/saturated-joints.toml").to_owned()),
-        ("sixth-order", compose::<2>(COSSERAT, &format!("{PERIODIC}{}", order("sixth-order")))),
-        ("eighth-order", compose::<2>(CLASSICAL, &order("eighth-order"))),
-        ("classical-space", compose::<3>(CLASSICAL, OPEN_SIDES)),
-        ("layered-space", compose::<3>(CLASSICAL, LAYERS)),
-        ("yielding-space", compose::<3>(COSSERAT, &format!("{YIELD}{OPEN_SIDES}"))),
-        ("sixth-order-space", compose::<3>(COSSERAT, &order("sixth-order"))),
-        ("eighth-order-space", compose::<3>(CLASSICAL, &order("eighth-order"))),
     ]
 }
 

@@ -480,7 +480,6 @@ fn runs_whose_ranks_are_killed_at_any_moment_resume_with_the_same_results() {
 #[test]
 #[ignore = "a gigabyte in four processes; part of .ci/long"]
 fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
-    use std::os::unix::fs::PermissionsExt;
     let launchers = Launcher::find_all();
     let Some(launcher) = launchers.first() else { return };
     let load = "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = -1e6\n\
@@ -490,10 +489,7 @@ fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
         + "[grid]\ncells = [1500, 1500]\nspacing = 0.5\n[time]\nduration = 1e-3\n"
         + load;
     let folder = create_case_folder(TEST_FOLDER, "memory", &text);
-    let limited = folder.join("limited");
-    let script = format!("#!/bin/sh\nulimit -v 700000\nexec {PROGRAM_PATH} \"$@\"\n");
-    fs::write(&limited, script).unwrap();
-    fs::set_permissions(&limited, fs::Permissions::from_mode(0o755)).unwrap();
+    let limited = write_limited_program(&folder, 700_000);
     let arguments = format!("run case.toml --out out {WITHOUT_PICTURES}");
     let mut single = Command::new(&limited);
     single.args(arguments.split_whitespace()).current_dir(&folder).stderr(Stdio::piped());
@@ -503,4 +499,35 @@ fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
     let command = launcher.create_command_of(limited, &folder, 4, &arguments).spawn();
     check_output(0, wait_for_end(command.unwrap()), &arguments);
     run_with_exit_code(0, &folder, "verify out");
+}
+
+/// Writes a program that limits its address space, KiB, and becomes the program under test; returns its path.
+fn write_limited_program(folder: &Path, limit: usize) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let limited = folder.join("limited");
+    let script = format!("#!/bin/sh\nulimit -v {limit}\nexec {PROGRAM_PATH} \"$@\"\n");
+    fs::write(&limited, script).unwrap();
+    fs::set_permissions(&limited, fs::Permissions::from_mode(0o755)).unwrap();
+    limited
+}
+
+/// Verifies that all ranks end, with the message of the first one, if rank 1 has no memory for its part.
+#[test]
+#[ignore = "large grids under a limit that MPI libraries nearly exhaust; part of .ci/long"]
+fn a_rank_without_memory_ends_the_others() {
+    for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, &format!("without-memory{index}"), JOINT_CASE);
+        let limited = write_limited_program(&folder, 400_000);
+        let limited = limited.to_str().expect("text");
+        let blocks = "--set block[0].repeat=[320,200] --set time.duration=1e-6";
+        for arguments in [
+            format!("run case.toml --out out {WITHOUT_PICTURES} --threads 1 {blocks}"),
+            "time case.toml --blocks 250 --steps 2 --pictures none --out time".to_owned(),
+        ] {
+            let mut command = launcher.create_command(&folder, 1, &arguments);
+            command.args([":", "-n", "1", limited]).args(arguments.split_whitespace());
+            let (_, errors) = check_output(2, wait_for_end(command.spawn().unwrap()), &arguments);
+            assert!(errors.iter().any(|error| error.contains("memory")), "{errors:?}");
+        }
+    }
 }
