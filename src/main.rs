@@ -21,6 +21,7 @@ use number_arguments::{
 };
 use picture_arguments::PictureArguments;
 use std::io::Write;
+use std::num::NonZero;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -30,6 +31,7 @@ use wellposed::cli::new::{self, TemplateKind};
 use wellposed::cli::{
     self, CheckpointSettings, CommandError, Options, OutputFormat, cases, ranks, signals,
 };
+use wellposed::report::PictureOptions;
 use wellposed::study::MapOptions;
 
 #[cfg(unix)]
@@ -346,6 +348,11 @@ fn parse_yield_set(name: String) -> Result<YieldSetKind, String> {
 
 impl From<CaseArguments> for Options {
     fn from(arguments: CaseArguments) -> Self {
+        let thread_count = arguments.threads.map(usize::from);
+        let drawing_threads = thread_count
+            .and_then(NonZero::new)
+            .or_else(|| std::thread::available_parallelism().ok())
+            .unwrap_or(NonZero::<usize>::MIN);
         Self {
             case_path: arguments.case_path,
             settings: arguments.settings,
@@ -353,10 +360,10 @@ impl From<CaseArguments> for Options {
             output_folder: arguments.output_folder,
             force: arguments.force,
             is_dry_run: arguments.is_dry_run,
-            thread_count: arguments.threads.map(usize::from),
+            thread_count,
             accept_ill_posed: false,
             only_disagreeing: false,
-            pictures: arguments.pictures.into(),
+            pictures: PictureOptions { thread_count: drawing_threads, ..arguments.pictures.into() },
         }
     }
 }

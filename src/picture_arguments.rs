@@ -11,6 +11,9 @@ pub(crate) struct PictureArguments {
     /// File formats of the pictures: png, svg, pdf, and html for a page of all results; or none, without animations
     #[arg(long = "pictures", value_name = "FORMATS", default_value = "png,svg,html", value_parser = parse_formats)]
     formats: PictureFormats,
+    /// Draw no pictures, animations and page, as --pictures none does
+    #[arg(long = "no-pictures", conflicts_with = "formats")]
+    has_no_pictures: bool,
     /// File formats of animations of snapshots: gif, apng, separated by commas; or none
     #[arg(long, value_name = "FORMATS", default_value = "gif", value_parser = parse_animations)]
     animations: AnimationFormats,
@@ -36,12 +39,14 @@ struct AnimationFormats(Vec<AnimationFormat>);
 
 impl From<PictureArguments> for PictureOptions {
     fn from(arguments: PictureArguments) -> Self {
-        let PictureArguments { formats, animations, size, dpi, has_no_title } = arguments;
+        let PictureArguments { formats, has_no_pictures, animations, size, dpi, has_no_title } =
+            arguments;
+        let formats = if has_no_pictures { Vec::new() } else { formats.0 };
         let figure =
             FigureOptions { size, dpi, has_heading: !has_no_title, ..FigureOptions::default() };
-        let has_page = formats.0.contains(&None);
-        let formats = formats.0.into_iter().flatten().collect();
-        Self { formats, has_page, figure, animations: animations.0 }
+        let has_page = formats.contains(&None);
+        let formats = formats.into_iter().flatten().collect();
+        Self { formats, has_page, figure, animations: animations.0, ..Self::default() }
     }
 }
 

@@ -31,6 +31,7 @@ impl Layouts {
                 has_page: false,
                 figure,
                 animations: Vec::new(),
+                ..PictureOptions::default()
             };
             draw_pictures(&pictures, &options, |name, list| {
                 let place = format!("{} {}/{name} {size:?}", case.name, R::NAME);

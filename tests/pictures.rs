@@ -37,7 +37,7 @@ fn small_pictures() -> PictureOptions {
     let figure = FigureOptions { dpi: Some(40.0), has_heading: false, ..FigureOptions::default() };
     let animations = vec![AnimationFormat::Gif, AnimationFormat::Apng];
     let formats = vec![FigureFormat::Png, FigureFormat::Pdf];
-    PictureOptions { formats, has_page: true, figure, animations }
+    PictureOptions { formats, has_page: true, figure, animations, ..PictureOptions::default() }
 }
 
 /// Reads the pictures of a folder by name.

@@ -3,6 +3,9 @@
 use super::page::{PagePicture, embed_picture};
 use crate::Error;
 use figures::{AnimationFormat, FigureError, FigureFormat, FigureOptions, FigureOutput};
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Function that draws a picture.
 type DrawFunction = Box<dyn Fn(FigureOutput) -> Result<Vec<u8>, FigureError> + Send + Sync>;
@@ -29,7 +32,7 @@ impl ReportPicture {
     }
 }
 
-/// File formats, size and heading of the pictures that a verb draws.
+/// File formats, size and heading of the pictures that a verb draws, and how many are drawn at the same time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
     /// File formats, each drawn once.
@@ -40,6 +43,8 @@ pub struct PictureOptions {
     pub figure: FigureOptions,
     /// File formats of animations, each drawn once; without effect if neither pictures nor the page are drawn.
     pub animations: Vec<AnimationFormat>,
+    /// Number of threads that draw pictures other than animations, each one picture at a time.
+    pub thread_count: NonZero<usize>,
 }
 
 impl Default for PictureOptions {
@@ -49,6 +54,7 @@ impl Default for PictureOptions {
             has_page: true,
             figure: FigureOptions::default(),
             animations: vec![AnimationFormat::Gif],
+            thread_count: NonZero::<usize>::MIN,
         }
     }
 }
@@ -70,7 +76,8 @@ impl PictureOptions {
     }
 }
 
-/// Draws pictures and passes the files to `put` by name; returns the pictures of the page, none if there is no page.
+/// Draws pictures and passes the files to `put` by name, in order; returns the pictures of the page, none if there is no
+/// page. Each thread draws one file at a time.
 ///
 /// # Errors
 /// A picture cannot be drawn, or `put` fails.
@@ -79,29 +86,129 @@ pub fn draw_pictures<E: From<Error>>(
     options: &PictureOptions,
     mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
 ) -> Result<Vec<PagePicture>, E> {
-    let mut of_page = Vec::new();
-    for ReportPicture { file_stem: stem, draw_function: draw } in pictures {
-        // Files of the default size are drawn once for both.
-        let mut reusable = Vec::new();
-        for (format, name) in options.formats.iter().zip(options.file_names(stem)) {
-            let output = FigureOutput { format: *format, options: options.figure };
-            let bytes = draw(output).map_err(Error::from)?;
-            put(&name, &bytes)?;
-            if options.has_page && options.figure == FigureOptions::default() {
-                reusable.push((*format, bytes));
+    // The page has the vector format. Files of the default size are drawn once for both.
+    let page_format = options.has_page.then_some(FigureFormat::Svg);
+    let is_shared = options.figure == FigureOptions::default();
+    let of_page = page_format.filter(|format| !(is_shared && options.formats.contains(format)));
+    let outputs: Vec<FigureOutput> = options
+        .formats
+        .iter()
+        .map(|format| FigureOutput { format: *format, options: options.figure })
+        .chain(of_page.map(FigureOutput::from))
+        .collect();
+    let mut page_pictures = Vec::new();
+    // A few pictures at a time, so that those that wait for being written take little memory.
+    let group_length = options.thread_count.get().div_ceil(outputs.len().max(1));
+    for group in pictures.chunks(group_length) {
+        let jobs: Vec<(&ReportPicture, FigureOutput)> = group
+            .iter()
+            .flat_map(|picture| outputs.iter().map(move |output| (picture, *output)))
+            .collect();
+        let mut drawn = draw_concurrently(&jobs, options.thread_count).into_iter();
+        for ReportPicture { file_stem: stem, draw_function: draw } in group {
+            let mut of_default_size = Vec::new();
+            for (index, output) in outputs.iter().enumerate() {
+                let bytes = drawn.next().unwrap_or_else(|| draw(*output)).map_err(Error::from)?;
+                if let Some(format) = options.formats.get(index) {
+                    put(&format!("{stem}.{}", format.extension()), &bytes)?;
+                }
+                if options.has_page && output.options == FigureOptions::default() {
+                    of_default_size.push((output.format, bytes));
+                }
             }
-        }
-        if options.has_page {
+            if !options.has_page {
+                continue;
+            }
             let draw = |format: FigureFormat| -> Result<Vec<u8>, Error> {
-                match reusable.iter().find(|own| own.0 == format) {
+                match of_default_size.iter().find(|own| own.0 == format) {
                     Some((_, bytes)) => Ok(bytes.clone()),
                     None => Ok(draw(format.into())?),
                 }
             };
             let svg = draw(FigureFormat::Svg)?;
             let element = embed_picture(stem, &svg, || draw(FigureFormat::Png))?;
-            of_page.push(PagePicture { file_stem: stem, element });
+            page_pictures.push(PagePicture { file_stem: stem, element });
         }
     }
-    Ok(of_page)
+    Ok(page_pictures)
+}
+
+/// Draws pictures on this thread and on others, as many as start; returns their bytes in order.
+fn draw_concurrently(
+    jobs: &[(&ReportPicture, FigureOutput)],
+    thread_count: NonZero<usize>,
+) -> Vec<Result<Vec<u8>, FigureError>> {
+    let (next, drawn) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(jobs.len())));
+    let work = || {
+        while let Some((index, (picture, output))) = {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            jobs.get(index).map(|job| (index, job))
+        } {
+            let bytes = (picture.draw_function)(*output);
+            drawn.lock().unwrap_or_else(PoisonError::into_inner).push((index, bytes));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..thread_count.get().min(jobs.len()) {
+            // This thread draws all pictures if no other can be started.
+            let _ = std::thread::Builder::new().spawn_scoped(scope, work);
+        }
+        work();
+    });
+    let mut drawn = drawn.into_inner().unwrap_or_else(PoisonError::into_inner);
+    drawn.sort_by_key(|(index, _)| *index);
+    drawn.into_iter().map(|(_, bytes)| bytes).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Files come in the same order with the same bytes, whatever the number of threads; what is not asked for is not
+    /// drawn.
+    #[test]
+    fn pictures_do_not_depend_on_threads() {
+        let count = std::sync::Arc::new(AtomicUsize::new(0));
+        let pictures: Vec<ReportPicture> = ["a", "b", "c", "d", "e"]
+            .into_iter()
+            .map(|stem| {
+                let count = std::sync::Arc::clone(&count);
+                ReportPicture::new(stem, move |output| {
+                    count.fetch_add(1, Ordering::Relaxed);
+                    Ok(format!("<svg>{stem} {}</svg>", output.format.extension()).into_bytes())
+                })
+            })
+            .collect();
+        let draw = |thread_count: usize, formats: &[FigureFormat], has_page: bool| {
+            let options = PictureOptions {
+                formats: formats.to_vec(),
+                has_page,
+                thread_count: NonZero::new(thread_count).unwrap(),
+                ..PictureOptions::default()
+            };
+            let mut files = Vec::new();
+            let put = |name: &str, bytes: &[u8]| {
+                files.push((name.to_owned(), bytes.to_vec()));
+                Ok::<(), Error>(())
+            };
+            let of_page = draw_pictures(&pictures, &options, put).unwrap();
+            let of_page = of_page.into_iter().map(|own| (own.file_stem, own.element));
+            (files, of_page.collect::<Vec<_>>(), count.swap(0, Ordering::Relaxed))
+        };
+        let both = [FigureFormat::Png, FigureFormat::Svg];
+        for (formats, has_page, expected) in [
+            (&both[..], true, 10),
+            (&both[..1], false, 5),
+            (&both[..1], true, 10),
+            (&[], true, 5),
+            (&[], false, 0),
+        ] {
+            let one = draw(1, formats, has_page);
+            assert_eq!((one.0.len(), one.2), (5 * formats.len(), expected));
+            assert_eq!(one.1.len(), if has_page { 5 } else { 0 });
+            for threads in [2, 3, 100] {
+                assert!(draw(threads, formats, has_page) == one, "{threads} threads");
+            }
+        }
+    }
 }
