@@ -15,7 +15,7 @@ use super::schedule::CHUNK_SIZE;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::interlayers::Interlayers;
 use crate::solid::problem::Problem;
-use crate::solid::reconstruction::GHOSTS;
+use crate::solid::reconstruction::Slopes;
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -286,12 +286,13 @@ pub(super) fn pitch(groups: usize) -> usize {
 }
 
 /// Returns the memory of the fields and the material indices of a domain of `cells` cells along each axis and `fields`
-/// fields, in bytes, without padding of rows for interlayers.
-pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize) -> f64 {
+/// fields with the ghosts of the reconstruction `slopes`, in bytes, without padding of rows for interlayers.
+pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize, slopes: Slopes) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();
-    let groups = min_groups::<T>(length, GHOSTS);
+    let ghosts = slopes.ghosts();
+    let groups = min_groups::<T>(length, ghosts);
     let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
-    let rows = count / length as f64 + (2 * GHOSTS * CHUNK_SIZE) as f64;
+    let rows = count / length as f64 + (2 * ghosts * CHUNK_SIZE) as f64;
     rows * per_row as f64 + count * size_of::<u16>() as f64
 }

@@ -5,6 +5,7 @@ use crate::case::dynamics::{
     BoundaryConditionKind, BoundaryFace, DimensionalSplitting, FaceCondition, LedgerDetail,
     Precision, SolidRun,
 };
+use crate::setup::solid_run::convert_scheme;
 use crate::study::simulate::Bytes;
 use crate::study::simulate::plan::snapshot_count;
 use dynamics::domain::memory_bytes;
@@ -115,9 +116,10 @@ impl SolidJob<'_> {
             [n1, _] => (n1, 0),
             _ => (0, 0),
         };
+        let slopes = convert_scheme(*scheme).slopes;
         let solver = match scheme.precision {
-            Precision::F64 => memory_bytes::<f64>(&cells, fields),
-            Precision::F32 => memory_bytes::<f32>(&cells, fields),
+            Precision::F64 => memory_bytes::<f64>(&cells, fields, slopes),
+            Precision::F32 => memory_bytes::<f32>(&cells, fields, slopes),
         };
         let line_values = NUMBERS_PER_LINE[dimensions] * line_count as f64 * pairs * number;
         let boundary_values = BYTES_PER_BOUNDARY_LINE[dimensions] * boundary_lines;
