@@ -74,15 +74,19 @@ pub struct SolidFields {
 }
 
 impl SolidFields {
-    /// Interpolates linearly to the fields `other` of a later state; `fraction`: fraction of the time between the
-    /// states, in \[0, 1\]. Times of first slip and of fracture are those of the later state: laws record them at ends
-    /// of steps.
-    fn interpolate(&self, other: &Self, fraction: f64) -> Self {
+    /// Interpolates linearly to the fields `other` of a later state, in their memory; `fraction`: fraction of the time
+    /// between the states, in \[0, 1\]. Times of first slip and of fracture are those of the later state: laws record
+    /// them at ends of steps.
+    fn interpolate(&self, mut other: Self, fraction: f64) -> Self {
         let line = |(a, b): (&f64, &f64)| (1.0 - fraction) * a + fraction * b;
-        let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
+        let field = |a: &[f64], b: &mut [f64]| {
+            a.iter().zip(b).for_each(|(before, after)| *after = line((before, after)));
+        };
+        for (before, after) in self.values.iter().zip(&mut other.values) {
+            field(before, after);
+        }
+        field(&self.plastic_dissipation, &mut other.plastic_dissipation);
         Self {
-            values: self.values.iter().zip(&other.values).map(field).collect(),
-            plastic_dissipation: field((&self.plastic_dissipation, &other.plastic_dissipation)),
             interlayers: self
                 .interlayers
                 .iter()
@@ -104,6 +108,7 @@ impl SolidFields {
                     (face.clone(), record)
                 })
                 .collect(),
+            ..other
         }
     }
 }
@@ -465,7 +470,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let (_, fraction) = self.time_steps.locate(time);
         let now = self.fields();
         Ok(match self.fields_before_step.as_ref().filter(|_| fraction > 0.0) {
-            Some(before) => before.interpolate(&now, fraction),
+            Some(before) => before.interpolate(now, fraction),
             None => now,
         })
     }
