@@ -35,12 +35,12 @@ pub enum Error {
     /// A picture cannot be drawn, for example since a list of its values has the wrong length.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
-    /// A table cannot be created, since a row has more or fewer cells than the header.
+    /// A table cannot be created, for example since a row has more or fewer cells than the header.
     #[error(transparent)]
-    Table(#[from] files::csv::RowLengthError),
-    /// A table of the report page cannot be read.
-    #[error("a table that cannot be read: {0}")]
-    PageTable(#[from] std::io::Error),
+    Table(#[from] files::csv::TableError),
+    /// A data file of another program cannot be created.
+    #[error("a data file that cannot be written: {0}")]
+    DataFile(#[from] std::io::Error),
     /// An NPZ archive of arrays cannot be created.
     #[error(transparent)]
     Archive(#[from] files::npz::NpzError),

@@ -158,7 +158,10 @@ fn boundaries_of_maps_are_located_by_bisection() {
     let bound = MapOptions { computes_bound: true, ..MapOptions::default() };
     for options in [MapOptions::default(), bound] {
         let found = compute_map(&case, options, &ignore_progress).expect("a map");
-        let [along_x, along_y] = &found.boundaries.step_fractions;
+        let [along_x, along_y] = [0, 1].map(|axis| {
+            let places = 0..found.points.len();
+            places.map(|point| found.boundaries.step_fraction(axis, point)).collect::<Vec<_>>()
+        });
         for (index, fraction) in along_x.iter().enumerate() {
             match index % 3 {
                 1 => assert!((fraction - 3.0 / 7.0).abs() <= 1.0 / 32.0, "{along_x:?}"),

@@ -361,11 +361,11 @@ fn dry_run_describes_computation() {
 fn initial_archives_are_read_relative_to_case() {
     let folder = tempfile::tempdir().unwrap();
     let archive = |names: &[&str], shape: [usize; 2]| {
-        let mut archive = files::npz::NpzWriter::new();
+        let mut archive = files::npz::NpzWriter::new(std::io::Cursor::new(Vec::new()));
         for name in names {
             archive.add_f64(name, &shape, &vec![0.5; shape[0] * shape[1]]).unwrap();
         }
-        fs::write(folder.path().join("old.npz"), archive.finish().unwrap()).unwrap();
+        fs::write(folder.path().join("old.npz"), archive.finish().unwrap().into_inner()).unwrap();
     };
     let entry = "kind = 'file'\npath = 'old.npz'";
     let text = replace_first(FLOW_CASE, "kind = 'uniform'\nfield = 'w'\namplitude = 0.1", entry);

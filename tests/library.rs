@@ -169,7 +169,7 @@ fn study_results_serialise() {
     let map =
         wellposed::compute_map(&case, MapOptions::default(), &ignore_progress).expect("a map");
     let points = to_json(serde_json::to_value(&map.points));
-    assert_eq!(points[0]["status"], map.points[0].status.name());
+    assert_eq!(points[0]["status"], map.points.get(0).status.name());
     assert_eq!(points[0]["route"], "model-blind");
     assert!(points[0]["speeds"]["hyperbolicity"].is_string());
     // Not-a-number is serialised as null.

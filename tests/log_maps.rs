@@ -56,10 +56,10 @@ fn boundaries_of_log_axes_are_exact() {
     let column = exact.floor() as usize;
     for row in 0..6 {
         for i in 0..2 {
-            let place = found.boundaries.step_fractions[0][3 * row + i];
+            let place = found.boundaries.step_fraction(0, 3 * row + i);
             assert_eq!(place.is_nan(), i != column, "{i} {place}");
         }
-        let place = column as f64 + found.boundaries.step_fractions[0][3 * row + column];
+        let place = column as f64 + found.boundaries.step_fraction(0, 3 * row + column);
         assert!((place - exact).abs() <= 1.0 / 32.0 + 1e-12, "{place} {exact}");
     }
     // With a linear axis the boundary is elsewhere between the same two values.

@@ -56,7 +56,9 @@ pub use seismogram::{SeismogramFigure, SeismogramPanel, Trace};
 pub use spectrum::SpectrumFigure;
 pub use speeds::{SolidResponse, SpeedCurve, SpeedsFigure, ZeroSpeedNormal};
 pub use sphere::{SphereFigure, SphereMark};
-pub use verdict_map::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+pub use verdict_map::{
+    FillStyle, Hatching, MapCurve, STEP_PARTS, VerdictCategory, VerdictMap, VerdictMapAxis,
+};
 
 #[cfg(test)]
 mod tests {

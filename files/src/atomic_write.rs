@@ -136,7 +136,7 @@ fn create_temporary_file(folder: &Path, name: &OsStr) -> Result<(PathBuf, File),
         temporary.push(format!(".{}-{count}.partial", std::process::id()));
         let path = folder.join(temporary);
         let mut temporary_files = lock_temporary_files();
-        let file = match File::options().write(true).create_new(true).open(&path) {
+        let file = match File::options().read(true).write(true).create_new(true).open(&path) {
             // The file was abandoned by an earlier process with the same id; try the next name.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             Err(source) => return Err(FileError { path, action: "create", source }),

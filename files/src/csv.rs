@@ -1,5 +1,7 @@
 //! CSV tables (comma-separated values).
 
+use std::io::{self, Write};
+
 /// One cell of a CSV table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CsvCell {
@@ -8,6 +10,15 @@ pub enum CsvCell {
     Number(f64),
     /// Text, quoted where commas, quotes or line breaks require it.
     Text(String),
+}
+
+impl CsvCell {
+    fn into_text(self) -> String {
+        match self {
+            Self::Number(number) => format_shortest(number),
+            Self::Text(text) => text,
+        }
+    }
 }
 
 impl From<f64> for CsvCell {
@@ -34,29 +45,49 @@ pub struct RowLengthError {
     pub expected: usize,
 }
 
-/// Formats a CSV table: column names, then one line per row, each ended by a line feed.
-pub fn format_table(
+/// Error of writing a CSV table.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    /// A row has another number of cells than the header.
+    #[error(transparent)]
+    RowLength(#[from] RowLengthError),
+    /// The rows cannot be written.
+    #[error("table: {0}")]
+    Stream(#[from] io::Error),
+}
+
+/// Length of the buffer from which rows are written, bytes.
+const BUFFER_LENGTH: usize = 1 << 16;
+
+/// Writes a CSV table row by row: column names, then one line per row, each ended by a line feed. Returns the header, the
+/// first `max_rows` rows and the number of all.
+///
+/// # Errors
+/// A row has another number of cells than the header, or the writer fails.
+pub fn write_table(
+    writer: impl Write,
     header: &[&str],
     rows: impl IntoIterator<Item = Vec<CsvCell>>,
-) -> Result<Vec<u8>, RowLengthError> {
-    const MEMORY_WRITE_MESSAGE: &str = "rows of checked length are written into memory";
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header).expect(MEMORY_WRITE_MESSAGE);
-    for (index, row) in rows.into_iter().enumerate() {
-        if row.len() != header.len() {
-            return Err(RowLengthError {
-                row: index + 1,
-                found: row.len(),
-                expected: header.len(),
-            });
+    max_rows: usize,
+) -> Result<FirstRows, TableError> {
+    let mut writer = csv::WriterBuilder::new().buffer_capacity(BUFFER_LENGTH).from_writer(writer);
+    writer.write_record(header).map_err(io::Error::from)?;
+    let header = header.iter().map(|name| (*name).to_owned()).collect();
+    let mut first = FirstRows { header, rows: Vec::new(), row_count: 0 };
+    for row in rows {
+        first.row_count += 1;
+        if row.len() != first.header.len() {
+            let (row, found, expected) = (first.row_count, row.len(), first.header.len());
+            return Err(RowLengthError { row, found, expected }.into());
         }
-        let texts = row.into_iter().map(|cell| match cell {
-            CsvCell::Number(number) => format_shortest(number),
-            CsvCell::Text(text) => text,
-        });
-        writer.write_record(texts).expect(MEMORY_WRITE_MESSAGE);
+        let texts: Vec<String> = row.into_iter().map(CsvCell::into_text).collect();
+        writer.write_record(&texts).map_err(io::Error::from)?;
+        if first.rows.len() < max_rows {
+            first.rows.push(texts);
+        }
     }
-    Ok(writer.into_inner().expect(MEMORY_WRITE_MESSAGE))
+    writer.flush()?;
+    Ok(first)
 }
 
 /// Shortest decimal form that reads back to the same bits, with exponent for very large and very small numbers; empty
@@ -87,7 +118,7 @@ pub struct FirstRows {
 ///
 /// # Errors
 /// The table cannot be read, or is no table in UTF-8.
-pub fn read_first_rows(source: impl std::io::Read, max_rows: usize) -> std::io::Result<FirstRows> {
+pub fn read_first_rows(source: impl io::Read, max_rows: usize) -> io::Result<FirstRows> {
     let texts = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(source);
     let mut first = FirstRows { header: texts(reader.headers()?), rows: Vec::new(), row_count: 0 };
@@ -108,7 +139,10 @@ mod tests {
     use super::*;
 
     fn format_text(header: &[&str], rows: Vec<Vec<CsvCell>>) -> String {
-        String::from_utf8(format_table(header, rows).unwrap()).unwrap()
+        let mut bytes = Vec::new();
+        let first = write_table(&mut bytes, header, rows, 2).unwrap();
+        assert_eq!(read_first_rows(&bytes[..], 2).unwrap(), first);
+        String::from_utf8(bytes).unwrap()
     }
 
     #[test]
@@ -165,7 +199,8 @@ mod tests {
     #[test]
     fn a_row_of_the_wrong_length_is_refused() {
         let rows = vec![vec![CsvCell::from(1.0); 2], vec![CsvCell::from(1.0); 3]];
-        let refused = format_table(&["a", "b"], rows).unwrap_err();
+        let refused = write_table(io::sink(), &["a", "b"], rows, 0).unwrap_err();
+        let TableError::RowLength(refused) = refused else { panic!("{refused}") };
         assert_eq!(refused, RowLengthError { row: 2, found: 3, expected: 2 });
     }
 }

@@ -20,6 +20,11 @@ pub mod table_appender;
 pub mod vti;
 pub mod zarr;
 
+/// Writer at whose earlier bytes can be written again, such as a file.
+pub trait SeekableWriter: std::io::Write + std::io::Seek {}
+
+impl<W: std::io::Write + std::io::Seek> SeekableWriter for W {}
+
 /// CRC-32 checksum as in zlib; detects accidental but not intentional damage.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)

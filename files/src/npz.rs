@@ -3,7 +3,7 @@
 //! An NPZ file is a ZIP archive with one `.npy` entry per array. NumPy's function `numpy.load` reads it without the
 //! option `allow_pickle`, since numbers and Unicode strings are plain data.
 
-use std::io::{self, Cursor, Read, Write};
+use std::io::{self, Cursor, Read, Seek, Write};
 
 use crate::regular_file::try_read_to_end;
 use zip::write::SimpleFileOptions;
@@ -38,22 +38,20 @@ pub enum NpzError {
     },
 }
 
-/// NPZ archive under construction. Arrays are compressed as they are added; the same arrays added in the same order
-/// give the same bytes.
-pub struct NpzWriter {
-    archive: ZipWriter<Cursor<Vec<u8>>>,
+/// Length of the blocks in which the bytes of an array are compressed.
+const BLOCK_LENGTH: usize = 1 << 16;
+
+/// NPZ archive under construction. Arrays are compressed as they are added and written to the writer in blocks; the same
+/// arrays added in the same order give the same bytes. The writer seeks back to the header of each entry to fill in its
+/// length.
+pub struct NpzWriter<W: Write + Seek> {
+    archive: ZipWriter<W>,
 }
 
-impl Default for NpzWriter {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl NpzWriter {
-    /// Creates an archive without arrays.
-    pub fn new() -> Self {
-        Self { archive: ZipWriter::new(Cursor::new(Vec::new())) }
+impl<W: Write + Seek> NpzWriter<W> {
+    /// Starts an archive at the beginning of a writer.
+    pub fn new(writer: W) -> Self {
+        Self { archive: ZipWriter::new(writer) }
     }
 
     /// Adds an array of double-precision numbers (`<f8`) in row-major order; an empty shape denotes a single number.
@@ -94,9 +92,9 @@ impl NpzWriter {
         })
     }
 
-    /// Finishes the archive and returns its bytes.
-    pub fn finish(self) -> Result<Vec<u8>, NpzError> {
-        Ok(self.archive.finish()?.into_inner())
+    /// Finishes the archive and returns its writer.
+    pub fn finish(self) -> Result<W, NpzError> {
+        Ok(self.archive.finish()?)
     }
 
     /// Adds an entry; `append_bytes` appends `width` bytes for each value.
@@ -113,16 +111,20 @@ impl NpzWriter {
             let (name, shape) = (name.to_owned(), shape.to_vec());
             return Err(NpzError::Shape { name, shape, found: data.len() });
         }
-        let mut bytes = format_header(type_code, shape);
-        bytes.reserve(width * data.len());
-        data.iter().for_each(|value| append_bytes(value, &mut bytes));
+        let mut block = format_header(type_code, shape);
+        let length = block.len() + width * data.len();
         // The fixed date makes the bytes reproducible. Entries of 4 GiB or more need the ZIP64 format.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(DateTime::default())
-            .large_file(bytes.len() >= u32::MAX as usize);
+            .large_file(length >= u32::MAX as usize);
         self.archive.start_file(format!("{name}.npy"), options)?;
-        self.archive.write_all(&bytes)?;
+        for values in data.chunks((BLOCK_LENGTH / width).max(1)) {
+            values.iter().for_each(|value| append_bytes(value, &mut block));
+            self.archive.write_all(&block)?;
+            block.clear();
+        }
+        self.archive.write_all(&block)?;
         Ok(())
     }
 }
@@ -287,7 +289,7 @@ mod tests {
     use super::*;
 
     fn sample_archive() -> Vec<u8> {
-        let mut npz = NpzWriter::new();
+        let mut npz = NpzWriter::new(Cursor::new(Vec::new()));
         let grid = [1.0, -0.0, f64::INFINITY, f64::NAN, 5e-324, 1.0 / 3.0];
         npz.add_f64("rate", &[2, 3], &grid).unwrap();
         npz.add_f64("single", &[], &[2.5]).unwrap();
@@ -295,7 +297,7 @@ mod tests {
         npz.add_i8("verdict", &[3], &[-1, 0, 127]).unwrap();
         npz.add_i32("count", &[1, 1, 2], &[i32::MIN, 7]).unwrap();
         npz.add_text("axis Δ", &[2], &["Δ (°)", ""]).unwrap();
-        npz.finish().unwrap()
+        npz.finish().unwrap().into_inner()
     }
 
     #[test]
@@ -341,7 +343,7 @@ mod tests {
 
     #[test]
     fn wrong_shape_or_duplicate_name_is_refused() {
-        let mut npz = NpzWriter::new();
+        let mut npz = NpzWriter::new(Cursor::new(Vec::new()));
         let refused = npz.add_f64("a", &[2, 2], &[1.0; 3]).unwrap_err();
         assert!(matches!(refused, NpzError::Shape { found: 3, .. }), "{refused}");
         assert!(npz.add_i8("huge", &[usize::MAX, 2], &[1]).is_err());
@@ -368,10 +370,10 @@ mod tests {
 
     #[test]
     fn unwanted_arrays_are_not_decompressed_and_sizes_are_limited() {
-        let mut npz = NpzWriter::new();
+        let mut npz = NpzWriter::new(Cursor::new(Vec::new()));
         npz.add_f64("v1", &[3], &[1.0, 2.0, 3.0]).unwrap();
         npz.add_f64("large", &[100_000], &vec![0.0; 100_000]).unwrap();
-        let mut bytes = npz.finish().unwrap();
+        let mut bytes = npz.finish().unwrap().into_inner();
         let wanted = |name: &str| name == "v1";
         assert_eq!(read_selected_arrays(&bytes, wanted, 3).unwrap().len(), 1);
         let refused = read_selected_arrays(&bytes, |_| true, 3).unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! Safe opening of untrusted paths: refuses devices, pipes and, for writing, symbolic links.
 
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crc32fast::Hasher;
@@ -53,35 +53,61 @@ impl FileDigest {
     }
 }
 
-/// Writer that computes length and checksum of what is written.
+/// Writer that computes length and checksum of what is written. If earlier bytes are overwritten, all are read again in
+/// the end.
 pub struct DigestWriter<W> {
     writer: W,
     hasher: Hasher,
     length: u64,
+    position: u64,
+    /// Whether bytes have been overwritten that the hasher has processed.
+    is_overwritten: bool,
 }
 
 impl<W: Write> DigestWriter<W> {
-    /// Creates a writer to `writer`.
+    /// Creates a writer to `writer`, whose position is its beginning.
     pub fn new(writer: W) -> Self {
-        Self { writer, hasher: Hasher::new(), length: 0 }
+        Self { writer, hasher: Hasher::new(), length: 0, position: 0, is_overwritten: false }
     }
+}
 
-    /// Returns length and checksum of the bytes written so far.
-    pub fn digest(&self) -> FileDigest {
-        FileDigest { length: self.length, checksum: self.hasher.clone().finalize() }
+impl<W: Read + Write + Seek> DigestWriter<W> {
+    /// Returns length and checksum of all bytes.
+    ///
+    /// # Errors
+    /// Overwritten bytes cannot be read again.
+    pub fn finish(mut self) -> io::Result<FileDigest> {
+        self.writer.flush()?;
+        if !self.is_overwritten {
+            return Ok(FileDigest { length: self.length, checksum: self.hasher.finalize() });
+        }
+        self.writer.rewind()?;
+        FileDigest::from_reader(self.writer)
     }
 }
 
 impl<W: Write> Write for DigestWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.writer.write(bytes)?;
-        self.hasher.update(&bytes[..count]);
-        self.length += count as u64;
+        // Bytes beyond a gap would be missing too.
+        self.is_overwritten |= self.position != self.length;
+        if !self.is_overwritten {
+            self.hasher.update(&bytes[..count]);
+        }
+        self.position += count as u64;
+        self.length = self.length.max(self.position);
         Ok(count)
     }
 
     fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
+    }
+}
+
+impl<W: Seek> Seek for DigestWriter<W> {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        self.position = self.writer.seek(position)?;
+        Ok(self.position)
     }
 }
 
@@ -249,6 +275,23 @@ mod tests {
         let error = read_regular_file_up_to(&path, 199_999).unwrap_err();
         assert_eq!(error.to_string(), "200000 bytes, more than the 199999 that it may have");
         assert!(FileDigest::from_file(folder.path()).is_err());
+    }
+
+    #[test]
+    fn digests_count_overwritten_bytes() {
+        use std::io::Cursor;
+        let mut writer = DigestWriter::new(Cursor::new(Vec::new()));
+        writer.write_all(b"0000").unwrap();
+        writer.write_all(b"56789").unwrap();
+        writer.rewind().unwrap();
+        writer.write_all(b"1234").unwrap();
+        writer.seek(SeekFrom::End(0)).unwrap();
+        writer.write_all(b"0").unwrap();
+        assert_eq!(writer.finish().unwrap(), FileDigest::from_bytes(b"1234567890"));
+        let mut writer = DigestWriter::new(Cursor::new(Vec::new()));
+        writer.write_all(b"123456").unwrap();
+        writer.write_all(b"789").unwrap();
+        assert_eq!(writer.finish().unwrap(), FileDigest::from_bytes(b"123456789"));
     }
 
     #[cfg(unix)]

@@ -40,7 +40,7 @@ pub fn convert_arrays<'py>(
         let names = PyTuple::new(py, axes.iter().map(|(axis, _)| axis.as_ref()))?;
         let values = match values {
             ArrayData::F64(values) => convert_values(py, shape, F64_CODE, values.into_owned())?,
-            ArrayData::I8(values) => convert_values(py, shape, "|i1", values)?,
+            ArrayData::I8(values) => convert_values(py, shape, "|i1", values.into_owned())?,
             ArrayData::I32(values) => convert_values(py, shape, I32_CODE, values)?,
             ArrayData::Text(values) => convert_texts(py, values)?,
         };

@@ -177,8 +177,8 @@ impl Parts<'_> {
             }
             Ok(joined)
         };
-        joined.put(&snapshot_file_name(self.case, index), &mut |mut file| {
-            image().map_err(io::Error::other)?.write_with_arrays(&arrays, &mut file, fetch)
+        joined.put(&snapshot_file_name(self.case, index), &mut |file| {
+            image().map_err(io::Error::other)?.write_with_arrays(&arrays, file, fetch)
         })?;
         if has_joint_files(self.case) {
             let paths =

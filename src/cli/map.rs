@@ -13,6 +13,9 @@ use crate::study::{MapOptions, MapResult};
 use rayon::ThreadPool;
 use std::io::Write;
 
+/// Number of points from which on a map prints the memory that it needs before it begins.
+const MIN_LARGE_MAP: usize = 1_000_000;
+
 /// Runs the verb `map`: assesses all points of the map of a case and writes the report.
 ///
 /// # Errors
@@ -41,8 +44,16 @@ pub(super) fn prepare_map(
     case.check_without_contacts()?;
     let map = *case.require_map()?;
     warn_of_varied_settings(&map, options);
+    study::check_map_memory(&case, map_options)?;
+    let memory = study::estimate_map_memory(&case, map_options)?;
     let folder = select_folder(&case, options)?;
+    let states = map.x.point_count * map.y.point_count;
     if !options.is_dry_run {
+        if states >= MIN_LARGE_MAP {
+            // A closed standard error is ignored.
+            let count = format_count(states, "point");
+            let _ = writeln!(std::io::stderr(), "map of {count}, memory {memory}");
+        }
         return Ok(Some((case, folder)));
     }
     let pool = create_thread_pool(options.thread_count)?;
@@ -51,9 +62,9 @@ pub(super) fn prepare_map(
     })?;
     let seconds =
         estimate_time(&pool, |on_progress| study::compute_map(&case, map_options, on_progress))?;
-    let states = map.x.point_count * map.y.point_count;
     let plan = format!("assess {}: {} × {}", format_count(states, "state"), map.x, map.y);
-    let estimate = CostEstimate::from_seconds(seconds);
+    let memory_bytes = Some(memory.0);
+    let estimate = CostEstimate { memory_bytes, ..CostEstimate::from_seconds(seconds) };
     let paths = list_planned_paths(&folder, &folder::MAP_FILES, &options.pictures);
     print_plan(&plan, &paths, estimate, options.format, stdout)?;
     Ok(None)

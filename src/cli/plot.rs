@@ -17,10 +17,14 @@ use crate::report::{self, PictureOptions, RenderedReport, Report};
 use crate::study::check::CheckExtent;
 use crate::study::{self, MapOptions, ProgressCallback};
 use analysis::flows::Route;
+use files::csv::read_first_rows;
 use rayon::ThreadPool;
 use serde_json::Value;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::Path;
+
+/// Number of bytes of the table of a map among which its column names are searched.
+const MAX_HEADER_LENGTH: u64 = 1 << 16;
 
 /// Verbs whose pictures follow from the case alone.
 const STUDIES: [&str; 8] =
@@ -202,7 +206,7 @@ impl Redrawing<'_> {
 
     fn redraw_result<R: Report>(&self, found: &R) -> Result<Option<String>, CommandError> {
         let path = self.folder.path().join(format!("{}.json", R::NAME));
-        let rendered = RenderedReport::new(found, self.case)?;
+        let mut rendered = RenderedReport::new(found, self.case)?;
         // Texts, since numbers may change by a unit in the last place when they are parsed.
         if self.read(&path)? != rendered.json().as_bytes() {
             return Err(OutputError {
@@ -213,13 +217,13 @@ impl Redrawing<'_> {
             .into());
         }
         let pictures = rendered.pictures();
+        let first = pictures.first().map(report::ReportPicture::file_stem);
         let mut publication = self.folder.start_redrawing(R::NAME);
         let of_page = stage_pictures(&mut publication, pictures, self.options)?;
         if self.options.has_page {
             publication.set_page_section(rendered.create_page_section(&of_page)?);
         }
         publication.publish()?;
-        let first = pictures.first().map(report::ReportPicture::file_stem);
         Ok(first.and_then(|stem| self.options.file_names(stem).next()))
     }
 
@@ -247,11 +251,11 @@ impl Redrawing<'_> {
     /// Determines the options with which the map was computed from its table and its report. Without a verdict by closed
     /// form, the map is the one with all verdicts from the linearised equations.
     fn read_map_options(&self) -> Result<MapOptions, OutputError> {
-        let table = self.folder.path().join("map.csv");
-        let bytes = self.read(&table)?;
-        let text = String::from_utf8_lossy(&bytes);
-        let header = text.lines().next().unwrap_or_default();
-        let has_column = |name: &str| header.split(',').any(|column| column == name);
+        let path = self.folder.path().join("map.csv");
+        let table = files::open_regular_file(&path)
+            .and_then(|file| read_first_rows(file.take(MAX_HEADER_LENGTH), 0));
+        let table = table.map_err(|error| OutputError::from_read_error(&path, &error))?;
+        let has_column = |name: &str| table.header.iter().any(|column| column == name);
         let map = self.read_report("map.json")?;
         Ok(MapOptions {
             computes_bound: has_column("bound"),

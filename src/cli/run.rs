@@ -39,6 +39,7 @@ use crate::study::simulate::{SimulationJob, create_job};
 use dynamics::decomposition::communicator::Communicator;
 use files::lock::Lock;
 use std::io::Write;
+use std::num::NonZero;
 use std::sync::Arc;
 
 /// Default of the smallest wall time between two checkpoints, s.
@@ -94,6 +95,7 @@ pub(super) fn prepare_run(
         let estimate = CostEstimate {
             seconds: Some(plan.cost.single_thread_time),
             memory_bytes: Some(plan.required_memory.0),
+            is_in_plan: true,
         };
         let plan = format!("compute {plan}");
         let paths = list_planned_paths(
@@ -203,7 +205,7 @@ pub(super) fn execute_run(
         }
         _ => None,
     };
-    let rendered = RenderedReport::new(&result, case)?;
+    let mut rendered = RenderedReport::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {
         let animation = match result.is_part {
             true => AnimationOutput::NoAnimation,
@@ -223,8 +225,11 @@ pub(super) fn execute_run(
         if let Some(archive) = archive {
             files.write_result(FIELDS_ARCHIVE_FILE, &archive)?;
         }
-        let of_page = rendered.write_files(pictures, |name, bytes| {
-            files.write_result(name, bytes).map(drop).map_err(CommandError::from)
+        // One after the other, as the announced memory assumes.
+        let one_by_one =
+            PictureOptions { thread_count: NonZero::<usize>::MIN, ..(*pictures).clone() };
+        let of_page = rendered.write_files(&one_by_one, |name, write| {
+            files.write_result_with(name, write).map(drop).map_err(CommandError::from)
         })?;
         let reports = [rendered.text(), rendered.json()];
         let section =
@@ -235,6 +240,7 @@ pub(super) fn execute_run(
     if let (OutputFormat::Text, Some(waiting)) = (format, waiting) {
         write!(stdout, "\n{waiting}")?;
     }
+    drop(rendered);
     result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))
 }
 

@@ -5,6 +5,7 @@ use super::{CommandError, Options, OutputFormat};
 use crate::case::Case;
 use crate::report::run::DisplayTime;
 use crate::report::{PictureOptions, RenderedReport, Report, SCHEMA_VERSION};
+use crate::study::simulate::Bytes;
 use serde_json::json;
 use std::io::Write;
 
@@ -56,16 +57,16 @@ pub(super) fn write_report<R: Report>(
 ///
 /// # Errors
 /// A file cannot be rendered or written.
-pub(super) fn write_report_files<R: Report>(
-    report: &R,
+pub(super) fn write_report_files<'r, R: Report>(
+    report: &'r R,
     case: &Case,
     folder: &ResultFolder,
     pictures: &PictureOptions,
-) -> Result<RenderedReport, CommandError> {
-    let rendered = RenderedReport::new(report, case)?;
+) -> Result<RenderedReport<'r>, CommandError> {
+    let mut rendered = RenderedReport::new(report, case)?;
     let mut publication = folder.start_publication();
-    let of_page = rendered.write_files(pictures, |name, bytes| {
-        publication.stage_file(name, bytes).map_err(CommandError::from)
+    let of_page = rendered.write_files(pictures, |name, write| {
+        publication.stage_with(name, |file| write(file)).map_err(CommandError::from)
     })?;
     if pictures.has_page {
         publication.set_page_section(rendered.create_page_section(&of_page)?);
@@ -133,17 +134,19 @@ pub(super) struct CostEstimate {
     pub(super) seconds: Option<f64>,
     /// Peak memory, bytes; `None` if unknown.
     pub(super) memory_bytes: Option<f64>,
+    /// Whether the description of the work states time and memory.
+    pub(super) is_in_plan: bool,
 }
 
 impl CostEstimate {
     /// Creates the estimate of a wall time, s.
     pub(super) fn from_seconds(seconds: f64) -> Self {
-        Self { seconds: Some(seconds), memory_bytes: None }
+        Self { seconds: Some(seconds), ..Self::default() }
     }
 }
 
 /// Prints the plan of a verb: a description of its work, such as "assess 12 states", its estimated time, and the files
-/// that it would write. A plan with an estimate of the memory, that of a run, states the time itself.
+/// that it would write.
 pub(super) fn print_plan(
     plan: &str,
     paths: &[String],
@@ -151,7 +154,7 @@ pub(super) fn print_plan(
     format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), CommandError> {
-    let CostEstimate { seconds, memory_bytes } = estimate;
+    let CostEstimate { seconds, memory_bytes, is_in_plan } = estimate;
     match format {
         OutputFormat::Json => {
             let plan = json!({
@@ -165,8 +168,11 @@ pub(super) fn print_plan(
         }
         OutputFormat::Text => {
             writeln!(stdout, "would {plan}")?;
-            if let Some(seconds) = seconds.filter(|_| memory_bytes.is_none()) {
+            if let Some(seconds) = seconds.filter(|_| !is_in_plan) {
                 writeln!(stdout, "would take about {}", DisplayTime(seconds))?;
+            }
+            if let Some(memory) = memory_bytes.filter(|_| !is_in_plan) {
+                writeln!(stdout, "would need {} of memory", Bytes(memory))?;
             }
             for path in paths {
                 writeln!(stdout, "would write {path}")?;

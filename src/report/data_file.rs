@@ -4,9 +4,11 @@
 //! without files.
 
 use crate::Error;
-use files::csv::{CsvCell, format_table};
+use files::SeekableWriter;
+use files::csv::{CsvCell, FirstRows, write_table};
 use files::npz::NpzWriter;
 use std::borrow::Cow;
+use std::io::{Cursor, Seek, Write};
 
 /// Content of a data file.
 pub enum DataFile<'a> {
@@ -43,7 +45,7 @@ pub enum ArrayData<'a> {
     /// Double-precision numbers.
     F64(Cow<'a, [f64]>),
     /// 8-bit integers.
-    I8(Vec<i8>),
+    I8(Cow<'a, [i8]>),
     /// 32-bit integers.
     I32(Vec<i32>),
     /// Texts.
@@ -65,25 +67,42 @@ impl<'a> DataFile<'a> {
         Self::Table(DataTable { columns, rows: Box::new(rows.into_iter()) })
     }
 
-    /// Encodes the file.
+    /// Encodes the file in memory.
     ///
     /// # Errors
-    /// A row has another length than the header, an array does not fill its axes, or two arrays have the same name.
+    /// Those of [`write_to`](Self::write_to).
     pub fn encode(self) -> Result<Vec<u8>, Error> {
+        let mut bytes = Cursor::new(Vec::new());
+        self.write_to(&mut bytes, 0)?;
+        Ok(bytes.into_inner())
+    }
+
+    /// Encodes the file row by row and array by array into a writer, which is at its beginning. Returns the first
+    /// `max_rows` rows of a table; `None` for other files.
+    ///
+    /// # Errors
+    /// A row has another length than the header, an array does not fill its axes, two arrays have the same name, or the
+    /// writer fails.
+    pub fn write_to(
+        self,
+        mut writer: &mut dyn SeekableWriter,
+        max_rows: usize,
+    ) -> Result<Option<FirstRows>, Error> {
         match self {
             Self::Table(DataTable { columns, rows }) => {
                 let header: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-                Ok(format_table(&header, rows)?)
+                return Ok(Some(write_table(writer, &header, rows, max_rows)?));
             }
             Self::Arrays(arrays) => {
-                let mut archive = NpzWriter::new();
+                let mut archive = NpzWriter::new(&mut writer);
                 for array in arrays {
                     array.add_to(&mut archive)?;
                 }
-                Ok(archive.finish()?)
+                archive.finish()?;
             }
-            Self::Encoded(bytes) => Ok(bytes),
+            Self::Encoded(bytes) => writer.write_all(&bytes)?,
         }
+        Ok(None)
     }
 }
 
@@ -119,7 +138,7 @@ impl<'a> DataArray<'a> {
     ///
     /// # Errors
     /// The array does not fill its axes, or another array has its name.
-    pub(crate) fn add_to(&self, archive: &mut NpzWriter) -> Result<(), Error> {
+    pub(crate) fn add_to<W: Write + Seek>(&self, archive: &mut NpzWriter<W>) -> Result<(), Error> {
         let shape: Vec<usize> = self.axes.iter().map(|(_, length)| *length).collect();
         match &self.values {
             ArrayData::F64(values) => archive.add_f64(&self.name, &shape, values)?,

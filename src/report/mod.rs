@@ -22,10 +22,12 @@ mod timing;
 
 use crate::Error;
 use crate::case::Case;
+use files::SeekableWriter;
 use page::{InteractivePicture, PagePicture, PageSection, PageTable};
 use serde::Serialize;
 use serde_json::{Map, Value};
-use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io;
 
 pub use data_file::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 pub use picture::{PictureOptions, ReportPicture, draw_pictures};
@@ -126,106 +128,102 @@ pub fn file_names<R: Report>(
     Ok(names)
 }
 
-/// Rendered report, ready to be written; its pictures are drawn at writing.
-pub struct RenderedReport {
+/// Function that writes the content of a file.
+pub type WriteContent<'a> = dyn FnMut(&mut dyn SeekableWriter) -> io::Result<()> + 'a;
+
+/// Rendered report, ready to be written; its pictures are drawn, and its data files encoded, at writing.
+pub struct RenderedReport<'r> {
     study_name: &'static str,
     arguments: String,
     json: String,
     text: String,
     pictures: Vec<ReportPicture>,
-    tables: Vec<RenderedTable>,
+    tables: Vec<(&'static str, DataFile<'r>)>,
+    /// Tables of the page, which are known when the data files have been written.
+    page_tables: Vec<PageTable>,
     interactive_picture: Option<InteractivePicture>,
     ends_with_picture_path: bool,
 }
 
-/// Data file of a rendered report.
-struct RenderedTable {
-    name: &'static str,
-    bytes: Vec<u8>,
-    /// Name and unit of each column of a table; `None` for other files.
-    columns: Option<Vec<(String, Cow<'static, str>)>>,
+/// Writes a data file; returns the table of the page if it is a table.
+fn write_data_file(
+    name: &str,
+    file: DataFile,
+    writer: &mut dyn SeekableWriter,
+) -> Result<Option<PageTable>, Error> {
+    let units: HashMap<String, String> = match &file {
+        DataFile::Table(DataTable { columns, .. }) => {
+            columns.iter().map(|(name, unit)| (name.clone(), unit.to_string())).collect()
+        }
+        DataFile::Arrays(_) | DataFile::Encoded(_) => HashMap::new(),
+    };
+    let unit = |name: &str| units.get(name).cloned().unwrap_or_default();
+    let first_rows = file.write_to(writer, PageTable::SHOWN_ROWS)?;
+    Ok(first_rows.map(|rows| PageTable::new(name, rows, unit)))
 }
 
-impl RenderedTable {
-    fn new((name, file): (&'static str, DataFile)) -> Result<Self, Error> {
-        let columns = match &file {
-            DataFile::Table(table) => Some(table.columns.clone()),
-            DataFile::Arrays(_) | DataFile::Encoded(_) => None,
-        };
-        Ok(Self { name, bytes: file.encode()?, columns })
-    }
-
-    fn to_page_table(&self) -> Option<Result<PageTable, Error>> {
-        let columns = self.columns.as_ref()?;
-        let unit = |name: &str| {
-            columns.iter().find(|own| own.0 == name).map_or(String::new(), |own| own.1.to_string())
-        };
-        Some(PageTable::read(self.name, &self.bytes[..], unit).map_err(Error::from))
-    }
-}
-
-impl RenderedReport {
-    /// Renders text, JSON and tables of a report and prepares its pictures.
+impl<'r> RenderedReport<'r> {
+    /// Renders text and JSON of a report and prepares its pictures and data files.
     ///
     /// # Errors
     /// The text, the JSON report, a picture or a table cannot be rendered.
-    pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
+    pub fn new<R: Report>(report: &'r R, case: &Case) -> Result<Self, Error> {
         Ok(Self {
             study_name: R::NAME,
             arguments: report.to_arguments(case),
             json: format!("{:#}\n", to_json(report)?),
             text: report.to_text(case),
             pictures: report.create_pictures(case)?,
-            tables: report
-                .create_tables(case)?
-                .into_iter()
-                .map(RenderedTable::new)
-                .collect::<Result<_, Error>>()?,
+            tables: report.create_tables(case)?,
+            page_tables: Vec::new(),
             interactive_picture: report.create_interactive_picture(case)?,
             ends_with_picture_path: R::ENDS_WITH_PICTURE_PATH,
         })
     }
 
     /// Passes the content of all files to `put` by name, the JSON report last; returns the pictures of the page, none if
-    /// there is no page.
+    /// there is no page. Data files are not kept, so that they can be written once.
     ///
     /// # Errors
     /// A picture cannot be drawn, or `put` fails.
     pub fn write_files<E: From<Error>>(
-        &self,
+        &mut self,
         options: &PictureOptions,
-        mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
+        mut put: impl FnMut(&str, &mut WriteContent) -> Result<(), E>,
     ) -> Result<Vec<PagePicture>, E> {
-        let pictures = draw_pictures(&self.pictures, options, &mut put)?;
-        for RenderedTable { name, bytes, .. } in &self.tables {
-            put(name, bytes)?;
+        let mut put_bytes = |name: &str, bytes: &[u8]| put(name, &mut |file| file.write_all(bytes));
+        let pictures = draw_pictures(&self.pictures, options, &mut put_bytes)?;
+        for (name, file) in self.tables.drain(..) {
+            let (mut file, mut page_table) = (Some(file), None);
+            put(name, &mut |writer| {
+                let Some(file) = file.take() else { return Ok(()) };
+                page_table = write_data_file(name, file, writer).map_err(io::Error::other)?;
+                Ok(())
+            })?;
+            self.page_tables.extend(page_table);
         }
-        put(&format!("{}.txt", self.study_name), self.text.as_bytes())?;
-        put(&format!("{}.json", self.study_name), self.json.as_bytes())?;
+        let mut put_text =
+            |name: String, text: &str| put(&name, &mut |file| file.write_all(text.as_bytes()));
+        put_text(format!("{}.txt", self.study_name), &self.text)?;
+        put_text(format!("{}.json", self.study_name), &self.json)?;
         Ok(pictures)
     }
 
     /// Creates the section of the page with these pictures.
     ///
     /// # Errors
-    /// A table cannot be read.
-    pub fn create_page_section(&self, pictures: &[PagePicture]) -> Result<PageSection, Error> {
-        let tables: Vec<PageTable> = self
-            .tables
-            .iter()
-            .filter_map(RenderedTable::to_page_table)
-            .collect::<Result<_, Error>>()?;
+    /// A table that has not been written cannot be encoded.
+    pub fn create_page_section(&mut self, pictures: &[PagePicture]) -> Result<PageSection, Error> {
+        for (name, file) in self.tables.drain(..) {
+            if let DataFile::Table(_) = file {
+                self.page_tables.extend(write_data_file(name, file, &mut io::empty())?);
+            }
+        }
         let verdict = find_verdict(&self.json);
         let words = (self.text.as_str(), verdict.as_deref());
         let interactive = self.interactive_picture.as_ref();
-        Ok(PageSection::new(
-            self.study_name,
-            &self.arguments,
-            words,
-            pictures,
-            interactive,
-            &tables,
-        ))
+        let (name, arguments) = (self.study_name, &self.arguments);
+        Ok(PageSection::new(name, arguments, words, pictures, interactive, &self.page_tables))
     }
 
     /// Returns the text report.

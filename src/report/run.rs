@@ -20,6 +20,7 @@ pub use joints::{JointLineScale, create_joint_lines, read_joints};
 pub(super) use polar::PolarRaster;
 pub use snapshot::{
     create_empty_image, create_image, create_image_piece, read_snapshot, snapshot_storage,
+    write_image,
 };
 pub use solid::list_drawn_quantities;
 

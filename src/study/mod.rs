@@ -28,7 +28,7 @@ pub use dispersion::{DispersionResult, compute_dispersion};
 pub use homogenise::{HomogeniseResult, homogenise};
 pub use map::{
     MapOptions, MapResult, check_map, check_map_memory, compute_map, compute_map_on_ranks,
-    sample_map,
+    estimate_map_memory, sample_map,
 };
 pub use point::{EquationsAnalysis, FlowAnalysis, PointResult, SolidAnalysis, analyse_point};
 pub use shocks::{ShocksResult, compute_shocks};

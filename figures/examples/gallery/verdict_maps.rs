@@ -6,8 +6,11 @@ use wellposed_figures::{
 };
 
 fn build_categories<const N: usize>(entries: [(&str, FillStyle); N]) -> Vec<VerdictCategory> {
-    let categories =
-        entries.map(|(label, fill_style)| VerdictCategory { label: label.to_owned(), fill_style });
+    let categories = entries.map(|(label, fill_style)| VerdictCategory {
+        label: label.to_owned(),
+        fill_style,
+        level_factor: 1.0,
+    });
     categories.to_vec()
 }
 
@@ -43,10 +46,10 @@ pub fn build_noncoaxiality_map() -> VerdictMap {
             ("marginal", FillStyle::Marginal),
         ]),
         category_indices: cells,
-        growth_levels: level,
+        growth_levels: level.into(),
         level_label: "growth coefficient lim Re ς / k (m/s)".to_owned(),
         boundaries: Default::default(),
-        is_line: Vec::new(),
+        is_line: Default::default(),
         curves: vec![bound(-45.0), bound(45.0)],
     }
 }
@@ -98,10 +101,10 @@ pub fn build_all_verdicts_map() -> VerdictMap {
             ("outside the model", FillStyle::OutsideModel),
         ]),
         category_indices: cells,
-        growth_levels: level,
+        growth_levels: level.into(),
         level_label: "growth coefficient lim Re ς / kᵐ (mᵐ/s)".to_owned(),
         boundaries: Default::default(),
-        is_line: Vec::new(),
+        is_line: Default::default(),
         curves: vec![bound(0.615, "bound in closed form"), bound(1.05, "sufficient condition")],
     }
 }

@@ -1,5 +1,7 @@
 //! Input of a verdict map, and its validation.
 
+use std::sync::Arc;
+
 use crate::error::FigureError;
 
 /// Axis of a verdict map: a uniform grid of at least one point, ascending or descending; of a logarithmic axis, the
@@ -55,6 +57,9 @@ impl FillStyle {
     }
 }
 
+/// Number of parts of the step between neighbouring cells in which places of boundaries are given.
+pub const STEP_PARTS: u8 = 32;
+
 /// A category of verdicts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictCategory {
@@ -62,6 +67,8 @@ pub struct VerdictCategory {
     pub label: String,
     /// Fill style.
     pub fill_style: FillStyle,
+    /// Factor of the growth levels of the cells of the category.
+    pub level_factor: f64,
 }
 
 /// A curve over the map, e.g. a bound in closed form.
@@ -88,17 +95,18 @@ pub struct VerdictMap {
     pub categories: Vec<VerdictCategory>,
     /// Index into `categories` for each cell; x varies fastest.
     pub category_indices: Vec<u8>,
-    /// Growth level of each cell, positive or infinite, in the unit of `level_label`; NaN if there is none. x varies
-    /// fastest. Used in cells with a style [`FillStyle::IllPosed`].
-    pub growth_levels: Vec<f64>,
+    /// Growth level of each cell, positive or infinite, in the unit of `level_label` if it is multiplied by the
+    /// [factor](VerdictCategory::level_factor) of its category; NaN if there is none. x varies fastest. Used in cells with
+    /// a style [`FillStyle::IllPosed`]; empty if no cell has a level.
+    pub growth_levels: Arc<Vec<f64>>,
     /// Name and unit of the growth level.
     pub level_label: String,
     /// Places of the boundaries between neighbouring cells of different categories, along x and along y: for each cell
-    /// the distance of the boundary to the next cell as a fraction of the step. Boundaries are in the middle where the
-    /// number is not in [0, 1] or missing.
-    pub boundaries: [Vec<f64>; 2],
+    /// the distance of the boundary to the next cell, of whose step there are [`STEP_PARTS`] parts. Boundaries are in the
+    /// middle where the number is larger or missing.
+    pub boundaries: [Arc<Vec<u8>>; 2],
     /// Whether each cell belongs to a set without area, which is drawn as a line through its points; empty if none does.
-    pub is_line: Vec<bool>,
+    pub is_line: Arc<Vec<bool>>,
     /// Curves drawn over the map.
     pub curves: Vec<MapCurve>,
 }
@@ -106,10 +114,11 @@ pub struct VerdictMap {
 impl VerdictMap {
     pub(super) fn validate(&self) -> Result<(), FigureError> {
         let (columns, rows) = (self.x.values.len(), self.y.values.len());
-        for (field, found) in
-            [("category", self.category_indices.len()), ("level", self.growth_levels.len())]
-        {
-            if found != columns * rows {
+        let level_count = self.growth_levels.len();
+        let fields =
+            [("category", self.category_indices.len(), false), ("level", level_count, true)];
+        for (field, found, may_be_empty) in fields {
+            if found != columns * rows && !(may_be_empty && found == 0) {
                 return Err(FigureError::CellCount { field, found, columns, rows });
             }
         }
@@ -157,10 +166,16 @@ impl VerdictMap {
     pub(super) fn ill_posed_levels(&self) -> impl Iterator<Item = (usize, f64)> {
         let ill_posed =
             |category: u8| self.categories[usize::from(category)].fill_style.is_ill_posed();
-        let cells = self.category_indices.iter().zip(&self.growth_levels).enumerate();
+        let cells = self.category_indices.iter().enumerate();
         cells
-            .filter(move |(_, (category, _))| ill_posed(**category))
-            .map(|(cell, (_, l))| (cell, *l))
+            .filter(move |(_, category)| ill_posed(**category))
+            .map(|(cell, _)| (cell, self.growth_level(cell)))
+    }
+
+    /// Returns the growth level of a cell, in the unit of `level_label`; NaN if there is none.
+    pub(super) fn growth_level(&self, cell: usize) -> f64 {
+        let category = &self.categories[usize::from(self.category_indices[cell])];
+        self.growth_levels.get(cell).map_or(f64::NAN, |level| level * category.level_factor)
     }
 
     /// Returns the index of a curve's label among the distinct labels, which determines the style.

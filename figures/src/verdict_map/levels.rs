@@ -11,6 +11,9 @@ use crate::scale::Tick;
 /// Length of the steps in which contour lines are cut off at the boundary of their category, pixels.
 const CONTOUR_STEP: f64 = 1.0;
 
+/// Largest number of levels from which the range of the colour map is determined, apart from the extremes; even.
+const MAX_SAMPLE_COUNT: usize = 1 << 20;
+
 /// Range of the colour map, in log₁₀ of the growth level.
 pub(super) struct LevelRange {
     pub(super) low: f64,
@@ -27,23 +30,34 @@ impl LevelRange {
     /// the length of the remaining range, at least 0.3 decades.
     pub(super) fn from_levels(levels: impl Iterator<Item = f64>) -> Option<Self> {
         let mut has_infinite_levels = false;
-        let mut logs: Vec<f64> = Vec::new();
+        let (mut min_log, mut max_log) = (f64::INFINITY, f64::NEG_INFINITY);
+        // Of many levels, equidistant ones determine the outermost 1 %.
+        let (mut logs, mut count, mut stride) = (Vec::new(), 0_usize, 1);
         for level in levels.filter(|level| *level > 0.0) {
-            if level.is_finite() {
-                logs.push(level.log10());
-            } else {
+            if !level.is_finite() {
                 has_infinite_levels = true;
+                continue;
             }
+            let log = level.log10();
+            (min_log, max_log) = (min_log.min(log), max_log.max(log));
+            if count.is_multiple_of(stride) {
+                if logs.len() == MAX_SAMPLE_COUNT {
+                    logs = logs.into_iter().step_by(2).collect();
+                    stride *= 2;
+                }
+                logs.push(log);
+            }
+            count += 1;
         }
         logs.sort_by(f64::total_cmp);
-        let (Some(&min_log), Some(&max_log)) = (logs.first(), logs.last()) else {
+        if logs.is_empty() {
             return has_infinite_levels.then_some(Self {
                 low: 0.0,
                 high: 1.0,
                 has_clipped_levels: [false; 2],
                 has_infinite_levels,
             });
-        };
+        }
         let outlier_count = logs.len() / 100;
         let (inner_low, inner_high) = (logs[outlier_count], logs[logs.len() - 1 - outlier_count]);
         let inner = (inner_high - inner_low).max(0.3);

@@ -21,7 +21,9 @@ pub(crate) use colour_map::{
     ARROW_LENGTH, BAR_GAP, BAR_WIDTH, MISSING_LEVEL_COLOUR, contrast_colour, draw_shades,
     shade_colour,
 };
-pub use figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+pub use figure::{
+    FillStyle, Hatching, MapCurve, STEP_PARTS, VerdictCategory, VerdictMap, VerdictMapAxis,
+};
 #[cfg(test)]
 pub(crate) use hatching::category_fill;
 pub(crate) use hatching::{HatchLines, VERTICAL_DIRECTION, draw_hatch};

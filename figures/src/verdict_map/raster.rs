@@ -1,6 +1,6 @@
 //! Raster of a verdict map.
 
-use super::figure::VerdictMap;
+use super::figure::{STEP_PARTS, VerdictMap};
 use crate::contour::GridEdge;
 use crate::picture::{Point, Rectangle};
 
@@ -70,7 +70,7 @@ impl VerdictMap {
         let index = |[column, row]: [usize; 2]| row * all_columns + column;
         let (categories, levels) = cells
             .iter()
-            .map(|&cell| (self.category_indices[index(cell)], self.growth_levels[index(cell)]))
+            .map(|&cell| (self.category_indices[index(cell)], self.growth_level(index(cell))))
             .unzip();
         // A raster with fewer points than the map does not resolve the places of boundaries.
         let is_whole = columns == all_columns && rows == all_rows;
@@ -81,9 +81,9 @@ impl VerdictMap {
                 if flips[axis] {
                     cell[axis] = cell[axis].saturating_sub(1);
                 }
-                let found = self.boundaries[axis].get(index(cell)).copied();
-                let share = found.filter(|share| is_whole && (0.0..=1.0).contains(share));
-                let share = share.unwrap_or(0.5);
+                let parts = self.boundaries[axis].get(index(cell)).copied();
+                let parts = parts.filter(|parts| is_whole && *parts <= STEP_PARTS);
+                let share = parts.map_or(0.5, |parts| f64::from(parts) / f64::from(STEP_PARTS));
                 if flips[axis] { 1.0 - share } else { share }
             };
             cells.iter().map(share).collect()

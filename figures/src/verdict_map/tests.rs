@@ -3,6 +3,7 @@
 use super::axes::AxisExtent;
 use super::boundaries::Boundaries;
 use super::colour_map::{INFINITE_LEVEL_COLOUR, SHADE_COUNT, shade_colour};
+use super::figure::STEP_PARTS;
 use super::figure::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use super::hatching::category_fill;
 use super::levels::{LevelField, LevelRange};
@@ -10,6 +11,7 @@ use super::raster::VerdictRaster;
 use super::shares::format_percent;
 use crate::colour::luminance;
 use crate::format::FigureFormat;
+use std::sync::Arc;
 
 use crate::tests::check_drawing;
 
@@ -31,21 +33,27 @@ fn sample_map(columns: usize, rows: usize) -> VerdictMap {
         x: axis("non-coaxiality Δ (°)", columns),
         y: axis("friction angle φ (°)", rows),
         categories: vec![
-            VerdictCategory { label: "well-posed".to_owned(), fill_style: FillStyle::WellPosed },
+            VerdictCategory {
+                label: "well-posed".to_owned(),
+                fill_style: FillStyle::WellPosed,
+                level_factor: 1.0,
+            },
             VerdictCategory {
                 label: "ill-posed, order 1".to_owned(),
                 fill_style: FillStyle::IllPosed(Hatching::Plain),
+                level_factor: 1.0,
             },
             VerdictCategory {
                 label: "indeterminate".to_owned(),
                 fill_style: FillStyle::Indeterminate,
+                level_factor: 1.0,
             },
         ],
         category_indices: (0..columns * rows).map(|cell| u8::from(ill_posed(cell))).collect(),
-        growth_levels: (0..columns * rows).map(level).collect(),
+        growth_levels: Arc::new((0..columns * rows).map(level).collect()),
         level_label: "growth rate (1/s)".to_owned(),
-        boundaries: [Vec::new(), Vec::new()],
-        is_line: Vec::new(),
+        boundaries: Default::default(),
+        is_line: Arc::default(),
         curves: vec![MapCurve {
             label: "bound".to_owned(),
             points: vec![[45.0, -1e3], [45.0, 1e3]],
@@ -85,7 +93,7 @@ fn cells_have_expected_positions() {
     turned.x.values.reverse();
     turned.y.values.reverse();
     turned.category_indices.reverse();
-    turned.growth_levels.reverse();
+    Arc::make_mut(&mut turned.growth_levels).reverse();
     let drawn = map.draw(FigureFormat::Png).unwrap();
     assert_eq!(drawn, turned.draw(FigureFormat::Png).unwrap());
     let (width, pixels) = crate::tests::decode_png(&drawn);
@@ -128,17 +136,17 @@ fn plot_area_is_inside_the_frame() {
 fn sets_without_area_are_drawn_as_lines() {
     let mut map = sample_map(9, 9);
     map.category_indices = (0..81).map(|cell| u8::from(cell % 10 != 0)).collect();
-    map.growth_levels.fill(1.0);
+    Arc::make_mut(&mut map.growth_levels).fill(1.0);
     map.curves.clear();
     let without = map.draw(FigureFormat::Png).unwrap();
-    map.is_line = (0..81).map(|cell| cell % 10 == 0).collect();
+    map.is_line = Arc::new((0..81).map(|cell| cell % 10 == 0).collect());
     check_map(&map);
     let texts = picture_texts(&map);
     for expected in ["well-posed (on lines, 0 %)", "ill-posed, order 1 (100 %)"] {
         assert!(texts.iter().any(|text| text == expected), "{expected} not in {texts:?}");
     }
     assert_ne!(without, map.draw(FigureFormat::Png).unwrap());
-    map.boundaries = [vec![1.0; 81], vec![0.0; 81]];
+    map.boundaries = [STEP_PARTS, 0].map(|parts| Arc::new(vec![parts; 81]));
     check_map(&map);
 }
 
@@ -149,11 +157,11 @@ fn tips_of_areas_are_no_single_points() {
     map.curves.clear();
     // Ill-posed are the right half and a point in the left half.
     map.category_indices[4 * 9 + 1] = 1;
-    map.is_line = (0..81).map(|cell| cell == 4 * 9 + 1).collect();
+    map.is_line = Arc::new((0..81).map(|cell| cell == 4 * 9 + 1).collect());
     assert!(map.line_cells().iter().all(|is_line| !is_line));
     check_map(&map);
     for cell in [4 * 9 + 1, 5 * 9 + 2] {
-        (map.category_indices[cell], map.is_line[cell]) = (1, true);
+        (map.category_indices[cell], Arc::make_mut(&mut map.is_line)[cell]) = (1, true);
     }
     assert_eq!(map.line_cells().iter().filter(|is_line| **is_line).count(), 2);
 }
@@ -232,7 +240,7 @@ fn colour_bar_names_contour_lines() {
     let has_name = |map: &VerdictMap| picture_texts(map).iter().any(|text| text == "contour");
     let mut map = sample_map(40, 6);
     assert!(has_name(&map));
-    map.growth_levels.fill(1.0);
+    Arc::make_mut(&mut map.growth_levels).fill(1.0);
     assert!(!has_name(&map));
 }
 
@@ -241,9 +249,9 @@ fn colour_bar_names_contour_lines() {
 fn single_points_without_area_are_drawn_as_discs() {
     let mut map = sample_map(9, 9);
     map.category_indices = (0..81).map(|cell| u8::from(cell != 0 && cell != 8)).collect();
-    map.growth_levels.fill(1.0);
+    Arc::make_mut(&mut map.growth_levels).fill(1.0);
     map.curves.clear();
-    map.is_line = (0..81).map(|cell| cell == 0 || cell == 8).collect();
+    map.is_line = Arc::new((0..81).map(|cell| cell == 0 || cell == 8).collect());
     check_map(&map);
     let texts = picture_texts(&map);
     assert!(texts.iter().any(|text| text == "well-posed (at single points, 0 %)"), "{texts:?}");
@@ -280,16 +288,16 @@ fn any_number_of_points_is_drawn() {
 fn any_level_is_drawn() {
     for level in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 5e-324, 7.0, f64::MAX] {
         let mut equal = sample_map(8, 5);
-        equal.growth_levels.fill(level);
+        Arc::make_mut(&mut equal.growth_levels).fill(level);
         check_map(&equal);
     }
     for level in [f64::NAN, f64::INFINITY, -1.0, f64::MAX] {
         let mut mixed = sample_map(8, 5);
-        mixed.growth_levels[6] = level;
+        Arc::make_mut(&mut mixed.growth_levels)[6] = level;
         check_map(&mixed);
     }
     let mut wide = sample_map(60, 2);
-    for (cell, level) in wide.growth_levels.iter_mut().enumerate() {
+    for (cell, level) in Arc::make_mut(&mut wide.growth_levels).iter_mut().enumerate() {
         *level = 10_f64.powi(10 * (cell as i32 % 60) - 300);
     }
     check_map(&wide);
@@ -313,7 +321,11 @@ fn fill_styles_differ_in_greyscale() {
     ];
     let mut map = sample_map(styles.len(), 2);
     map.categories = styles
-        .map(|style| VerdictCategory { label: format!("{style:?}"), fill_style: style })
+        .map(|style| VerdictCategory {
+            label: format!("{style:?}"),
+            fill_style: style,
+            level_factor: 1.0,
+        })
         .to_vec();
     map.category_indices = (0..2 * styles.len()).map(|cell| (cell % styles.len()) as u8).collect();
     check_map(&map);
@@ -392,7 +404,7 @@ fn wrong_input_is_refused() {
     };
     assert!(
         refused(&|map| {
-            map.growth_levels.pop();
+            Arc::make_mut(&mut map.growth_levels).pop();
         })
         .contains("11 values for 4 × 3 cells")
     );

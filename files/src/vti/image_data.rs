@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::arrays::{
-    CellArrays, FILE_END, ROUNDING_ERROR_NAME, check_length, format_number_elements,
+    ArrayDeclaration, CellArrays, FILE_END, ROUNDING_ERROR_NAME, check_length,
+    format_number_elements,
 };
 use super::attributes::check_time;
 use super::encoding::{MEMORY_WRITE_MESSAGE, Storage};
@@ -138,6 +139,20 @@ impl ImageData {
         values: &[T],
     ) -> Result<(), VtiError> {
         self.arrays.add(name, self.cell_count, components, values)
+    }
+
+    /// Adds a cell array with the bytes of its values in little-endian order, with interleaved components.
+    ///
+    /// # Errors
+    /// The bytes are not those of all cells.
+    pub fn add_encoded_array(
+        &mut self,
+        array: &ArrayDeclaration,
+        values: &[u8],
+    ) -> Result<(), VtiError> {
+        check_length(&array.name, values.len(), self.cell_count * array.cell_size())?;
+        self.arrays.add_bytes(array, values);
+        Ok(())
     }
 
     /// Adds a vector from one to three component fields, cells along the first axis fastest. The vector always has

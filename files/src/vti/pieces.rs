@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
-use super::arrays::{ArrayDeclaration, FILE_END};
+use super::arrays::{ArrayDeclaration, FILE_END, check_length};
 use super::attributes::{escape_xml, unescape_xml};
 use super::grid::{format_cell_extent, format_triple, parse_cell_extent};
 use super::image_data::ImageData;
@@ -63,7 +63,7 @@ impl ImageData {
     pub fn write_with_arrays(
         mut self,
         arrays: &[ArrayDeclaration],
-        writer: &mut impl Write,
+        mut writer: &mut dyn Write,
         mut fetch: impl FnMut(&ArrayDeclaration) -> io::Result<Vec<u8>>,
     ) -> io::Result<()> {
         if !self.arrays.is_plain() {
@@ -71,12 +71,14 @@ impl ImageData {
             for array in arrays {
                 self.arrays.add_bytes(array, &fetch(array)?);
             }
-            return self.write_to(writer);
+            return self.write_to(&mut writer);
         }
         arrays.iter().for_each(|array| self.arrays.declare(array, self.cell_count));
         writer.write_all(self.format_header().as_bytes())?;
         for array in arrays {
             let values = fetch(array)?;
+            let expected = self.cell_count * array.cell_size();
+            check_length(&array.name, values.len(), expected).map_err(io::Error::other)?;
             writer.write_all(&(values.len() as u64).to_le_bytes())?;
             writer.write_all(&values)?;
         }

@@ -76,7 +76,7 @@ impl Publication<'_> {
         let staged = stage_file_with(&path, |file| {
             let mut writer = DigestWriter::new(file);
             write(&mut writer)?;
-            digest = writer.digest();
+            digest = writer.finish()?;
             Ok(())
         });
         let staged = staged.map_err(|error| create_write_error(&path, &error))?;

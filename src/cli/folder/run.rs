@@ -6,7 +6,7 @@ use super::names::{
 use super::origin::ResultOrigin;
 use super::{
     AppendedFile, OutputError, ResultFolder, create_lock_error, create_write_error,
-    describe_missing_folder, list_file_names, list_part_names, remove_file_if_exists, write_file,
+    describe_missing_folder, list_file_names, list_part_names, remove_file_if_exists,
 };
 use crate::case::Case;
 use crate::cli::CommandError;
@@ -14,8 +14,8 @@ use crate::report::format::case_title;
 use crate::report::page::PageSection;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
-use files::{DigestWriter, FileDigest, StagedFile, stage_file_with};
-use std::io::{self, Write as _};
+use files::{DigestWriter, FileDigest, SeekableWriter, StagedFile, stage_file_with};
+use std::io;
 use std::path::Path;
 
 /// Unfinished run whose folder is locked by this process.
@@ -302,38 +302,33 @@ impl<'a> RunFolder<'a> {
     /// # Errors
     /// The file cannot be written.
     pub fn write_result(&mut self, name: &str, bytes: &[u8]) -> Result<FileDigest, OutputError> {
-        debug_assert!(is_run_file_name(name), "{name} is not listed");
-        let path = self.folder.path.join(name);
-        if name == FINISHED_RUN_FILE {
-            let staged = stage_file_with(&path, |file| file.write_all(bytes));
-            self.staged_report = Some(staged.map_err(|error| create_write_error(&path, &error))?);
-        } else {
-            write_file(&path, bytes)?;
-        }
-        let written = FileDigest::from_bytes(bytes);
-        self.checksums.insert(name, written);
-        Ok(written)
+        self.write_result_with(name, &mut |file| file.write_all(bytes))
     }
 
-    /// Writes a file of a simulation other than the report, as [`write_result`](Self::write_result) does, with the content
-    /// that `write` produces.
+    /// Writes a file of a simulation as [`write_result`](Self::write_result) does, with the content that `write` produces.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn write_result_with(
         &mut self,
         name: &str,
-        write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
+        write: &mut dyn FnMut(&mut dyn SeekableWriter) -> io::Result<()>,
     ) -> Result<FileDigest, OutputError> {
+        debug_assert!(is_run_file_name(name), "{name} is not listed");
         let path = self.folder.path.join(name);
+        let at = |error| create_write_error(&path, &error);
         let mut written = FileDigest::default();
-        let result = files::write_atomically_with(&path, |file| {
+        let staged = stage_file_with(&path, |file| {
             let mut writer = DigestWriter::new(file);
             write(&mut writer)?;
-            written = writer.digest();
+            written = writer.finish()?;
             Ok(())
         });
-        result.map_err(|error| create_write_error(&path, &error))?;
+        let staged = staged.map_err(at)?;
+        match name {
+            FINISHED_RUN_FILE => self.staged_report = Some(staged),
+            _ => staged.publish().map_err(at)?,
+        }
         self.checksums.insert(name, written);
         Ok(written)
     }

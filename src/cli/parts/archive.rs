@@ -8,6 +8,7 @@ use crate::report::{ArrayData, DataArray};
 use crate::study::simulate::{FieldQuantity, OutputFields};
 use files::npz::NpzWriter;
 use std::borrow::Cow;
+use std::io::Cursor;
 
 /// Creates the archive `fields.npz`, with the values of one array at a time in memory.
 ///
@@ -30,7 +31,7 @@ pub(in crate::cli) fn archive_fields(
         region_indices: vec![0; placeholder(parts.has_regions)],
         ..OutputFields::default()
     };
-    let mut archive = NpzWriter::new();
+    let mut archive = NpzWriter::new(Cursor::new(Vec::new()));
     for array in create_field_arrays(Cow::Owned(description)) {
         let is_quantity = parts.names.iter().any(|name| *name == array.name);
         let values = match array.name.as_ref() {
@@ -42,5 +43,5 @@ pub(in crate::cli) fn archive_fields(
         };
         DataArray { values, ..array }.add_to(&mut archive)?;
     }
-    Ok(archive.finish().map_err(crate::Error::from)?)
+    Ok(archive.finish().map_err(crate::Error::from)?.into_inner())
 }

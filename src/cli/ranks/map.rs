@@ -48,7 +48,7 @@ fn compute_map(
     communicator: &dyn Communicator,
 ) -> Result<(MapResult, ThreadPool), CommandError> {
     let ready = create_thread_pool(Some(threads))
-        .and_then(|pool| Ok(study::check_map_memory(case).map(|()| pool)?));
+        .and_then(|pool| Ok(study::check_map_memory(case, options).map(|()| pool)?));
     let pool = require_all_ranks(communicator, ready)?;
     let MapOptions { computes_bound, computes_growth_rate, is_model_blind } = options;
     let flags = [computes_bound, computes_growth_rate, is_model_blind].map(u8::from);

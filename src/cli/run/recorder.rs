@@ -11,14 +11,15 @@ use crate::cli::parts::write_fields;
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
-use crate::report::run::{DisplayTime, create_image, create_joint_lines};
+use crate::report::run::{DisplayTime, create_joint_lines, write_image};
 use crate::study::simulate::{
     FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics,
     TableHeader, TableKind,
 };
 use dynamics::simulation::{RegularTimes, SimulationState};
+use files::SeekableWriter;
 use files::lock::Lock;
-use std::io::{IsTerminal as _, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::time::Instant;
 
 /// Number of increments of the progress bar over the duration of a run.
@@ -168,13 +169,14 @@ impl Recorder for FileRecorder<'_> {
 
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
         let case = self.run_context.case;
-        let image = create_image(case, &fields)?;
         let joints = has_joint_files(case)
             .then(|| create_joint_lines(&fields.joint_faces, fields.time))
             .transpose()?;
-        drop(fields);
         let names = snapshot_file_names(case, index);
-        Ok(self.run_files.write_snapshot(&image, joints.as_ref(), names)?)
+        let write_fields = &mut |file: &mut dyn SeekableWriter| {
+            write_image(case, &fields, file).map_err(io::Error::other)
+        };
+        Ok(self.run_files.write_snapshot(write_fields, joints.as_ref(), names)?)
     }
 
     /// Writes the final fields of a solid by layers of cells, until they are archived when the solver has been dropped.

@@ -8,13 +8,14 @@ use crate::cli::folder::{
     SNAPSHOT_LIST_FILE, has_joint_files, is_part_name, snapshot_file_names,
 };
 use crate::cli::gather::{JoinedFiles, Parts};
+use crate::report::WriteContent;
 use crate::study::simulate::{
     RecordColumn, RecordTable, RunRecords, TableHeader, TableKind, column_unit,
 };
 use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
 use files::table_appender::{Appender, InterruptedTable};
-use files::vti::{ImageData, PolyData, format_collection};
+use files::vti::{PolyData, format_collection};
 use files::{FileDigest, read_regular_file};
 use std::io::{self, Write};
 
@@ -137,18 +138,22 @@ impl<'a> RunFiles<'a> {
         }
     }
 
-    /// Writes the files of the next snapshot for ParaView, fields and joints if any, under the names `names`.
+    /// Writes the files of the next snapshot for ParaView under the names `names`: the fields, which `write_fields` writes, and
+    /// joints if any.
     pub(super) fn write_snapshot(
         &mut self,
-        image: &ImageData,
+        write_fields: &mut WriteContent,
         joints: Option<&PolyData>,
         names: Vec<String>,
     ) -> Result<(), CommandError> {
         let Some(run) = &mut self.run_folder else { return Ok(()) };
-        let contents = std::iter::once(image.to_bytes()).chain(joints.map(PolyData::to_bytes));
         let mut files = Vec::new();
-        for (name, bytes) in names.iter().zip(contents) {
-            files.push((name.clone(), run.write_result(name, &bytes)?));
+        for (index, name) in names.iter().enumerate() {
+            let written = match joints.filter(|_| index > 0) {
+                None => run.write_result_with(name, write_fields)?,
+                Some(lines) => run.write_result(name, &lines.to_bytes())?,
+            };
+            files.push((name.clone(), written));
         }
         self.snapshots.push(SnapshotFiles { names, files });
         self.write_lists(joints.is_some())
@@ -263,7 +268,7 @@ impl JoinedFiles for JoinedRunFiles<'_, '_> {
         name: &str,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), OutputError> {
-        let written = self.run.write_result_with(name, write)?;
+        let written = self.run.write_result_with(name, &mut |file| write(file))?;
         self.files.push((name.to_owned(), written));
         Ok(())
     }

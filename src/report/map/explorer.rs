@@ -7,7 +7,7 @@ use crate::report::format::{case_title, format_unit_suffix};
 use crate::report::page::InteractivePicture;
 use crate::study::MapResult;
 use crate::study::map::summary::MapAxis;
-use crate::study::map::{MapPoint, MapSamples, PointStatus, WaveSample};
+use crate::study::map::{MapCode, MapNumber, MapSamples, PointStatus, WaveSample};
 use analysis::solids::Hyperbolicity;
 use serde_json::{Value, json};
 
@@ -17,17 +17,17 @@ const MAX_FIELD_VALUES: usize = 56_000;
 /// Significant digits of growth rates and roots at sampled points, which a picture and a short table show.
 const SAMPLE_DIGITS: usize = 4;
 
-/// Field of the table of a map: name, and value at a point.
-type Field = (&'static str, fn(&MapPoint) -> f64);
+/// Field of the table of a map: name and quantity.
+type Field = (&'static str, MapNumber);
 
 /// Fields that the page shows, unless they have no value on the whole map.
 const SHOWN_FIELDS: [Field; 6] = [
-    ("order", |point| point.growth_order),
-    ("coefficient", |point| point.growth_coefficient),
-    ("direction_deg", |point| point.direction_deg),
-    ("elevation_deg", |point| point.elevation_deg),
-    ("growth_rate", |point| point.growth_rate),
-    ("bound", |point| point.growth_bound),
+    ("order", MapNumber::GrowthOrder),
+    ("coefficient", MapNumber::GrowthCoefficient),
+    ("direction_deg", MapNumber::Direction),
+    ("elevation_deg", MapNumber::Elevation),
+    ("growth_rate", MapNumber::GrowthRate),
+    ("bound", MapNumber::GrowthBound),
 ];
 
 pub(super) fn create_picture(
@@ -52,7 +52,7 @@ pub(super) fn create_picture(
 }
 
 fn create_data(found: &MapResult, samples: &MapSamples) -> Value {
-    let has_value = |field: &Field| found.points.iter().any(|point| !field.1(point).is_nan());
+    let has_value = |field: &Field| found.points.has_number(field.1);
     let fields: Vec<Field> = SHOWN_FIELDS.into_iter().filter(has_value).collect();
     let (nx, ny) = (found.x.point_count, found.y.point_count);
     let value_count = |step: usize| nx.div_ceil(step) * ny.div_ceil(step) * (1 + fields.len());
@@ -61,28 +61,28 @@ fn create_data(found: &MapResult, samples: &MapSamples) -> Value {
         .step_by(step)
         .flat_map(|row| (0..nx).step_by(step).map(move |column| row * nx + column))
         .collect();
-    let digits = |digit: &dyn Fn(&MapPoint) -> u8| -> String {
-        indices.iter().map(|&index| char::from(b'0' + digit(&found.points[index]))).collect()
+    let digits = |which: MapCode| -> String {
+        let codes = found.points.codes(which);
+        indices.iter().map(|&index| char::from(b'0' + codes[index] as u8)).collect()
     };
     let fields: Vec<Value> = fields
         .iter()
         .map(|(name, field)| {
-            let values = indices.iter().map(|&index| number(field(&found.points[index])));
+            let values = indices.iter().map(|&index| number(found.points.number(*field, index)));
             json!({ "name": name, "unit": tables::unit(name), "values": values.collect::<Vec<_>>() })
         })
         .collect();
     let types = found.solid.map(|_| {
         let names = ["none"].into_iter().chain(Hyperbolicity::ALL.map(Hyperbolicity::name));
-        let digits =
-            digits(&|point| point.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as u8));
-        json!({ "names": names.collect::<Vec<_>>(), "digits": digits })
+        let names: Vec<_> = names.collect();
+        json!({ "names": names, "digits": digits(MapCode::Hyperbolicity) })
     });
     json!({
         "x": axis(&found.x),
         "y": axis(&found.y),
         "step": step,
         "verdicts": PointStatus::ALL.map(PointStatus::name),
-        "verdict": digits(&|point| point.status as u8),
+        "verdict": digits(MapCode::Status),
         "types": types,
         "fields": fields,
         "samples": {

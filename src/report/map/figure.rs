@@ -6,10 +6,12 @@ use crate::report::parameters::format_subtitle;
 use crate::report::symbols::{typeset_symbol, typeset_unit};
 use crate::study::MapResult;
 use crate::study::map::summary::MapAxis;
-use crate::study::map::{MapPoint, PointStatus};
+use crate::study::map::{MapNumber, MapPoint, PointStatus};
 use analysis::solids::Hyperbolicity;
 use figures::{FillStyle, Hatching, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use models::common::elementary::Elementary;
+
+const _: () = assert!(figures::STEP_PARTS == crate::study::map::STEP_PARTS);
 
 /// Class of growth at a map point: order of growth in the wave number, and for solids the type of the characteristic
 /// speeds.
@@ -30,25 +32,27 @@ pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
     };
     let points = &found.points;
     // One category per order of growth, and for solids per type of speeds, by descending order.
-    let mut kinds: Vec<GrowthClass> =
-        points.iter().filter(|p| p.growth_order.is_finite()).map(classify_growth).collect();
+    let mut kinds: Vec<GrowthClass> = Vec::new();
+    for kind in points.iter().filter(|p| p.growth_order.is_finite()).map(|p| classify_growth(&p)) {
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
     let rank = |speeds: &Option<Hyperbolicity>| speeds.map_or(0, |h| h as u8);
     kinds.sort_by(|a, b| b.0.total_cmp(&a.0).then(rank(&a.1).cmp(&rank(&b.1))));
-    kinds.dedup();
     let mut orders: Vec<f64> = kinds.iter().map(|(order, _)| *order).collect();
     orders.dedup();
-    let (level_label, level) =
-        compute_colour_level(points, &orders, case.material.numbers.wave.wave_number);
+    let (level_label, level_factor) = colour_level(&orders, case.material.numbers.wave.wave_number);
     VerdictMap {
         title: case_title(case),
         subtitle: format_subtitle(case, &[&found.x.parameter, &found.y.parameter]),
         x: axis(&found.x),
         y: axis(&found.y),
-        categories: create_categories(&kinds),
-        category_indices: points.iter().map(|point| category_index(&kinds, point)).collect(),
-        growth_levels: level,
+        categories: create_categories(&kinds, level_factor),
+        category_indices: points.iter().map(|point| category_index(&kinds, &point)).collect(),
+        growth_levels: points.shared_numbers(MapNumber::GrowthCoefficient),
         level_label,
-        boundaries: found.boundaries.step_fractions.clone(),
+        boundaries: found.boundaries.step_parts.clone(),
         is_line: found.boundaries.is_on_line.clone(),
         curves: collect_noncoaxiality_curves(found),
     }
@@ -63,9 +67,17 @@ fn format_axis_label(name: &str, unit: &str) -> String {
     }
 }
 
-fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
-    let mut categories =
-        vec![VerdictCategory { label: "well-posed".into(), fill_style: FillStyle::WellPosed }];
+/// `level_factor` returns the factor of growth coefficients of an order in the colour level.
+fn create_categories(
+    kinds: &[GrowthClass],
+    level_factor: impl Fn(f64) -> f64,
+) -> Vec<VerdictCategory> {
+    let without_level = |label: &str, fill_style| VerdictCategory {
+        label: label.into(),
+        fill_style,
+        level_factor: 1.0,
+    };
+    let mut categories = vec![without_level("well-posed", FillStyle::WellPosed)];
     categories.extend(kinds.iter().map(|(order, speeds)| VerdictCategory {
         label: format!(
             "ill-posed{}: Re ς grows as k{}",
@@ -73,6 +85,7 @@ fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
             format_superscript(*order)
         ),
         fill_style: FillStyle::IllPosed(growth_hatching(*order, *speeds)),
+        level_factor: level_factor(*order),
     }));
     categories.extend(
         [
@@ -83,7 +96,7 @@ fn create_categories(kinds: &[GrowthClass]) -> Vec<VerdictCategory> {
             ("no such state", FillStyle::OutsideModel),
             ("no response while yielding", FillStyle::Indeterminate),
         ]
-        .map(|(label, look)| VerdictCategory { label: label.into(), fill_style: look }),
+        .map(|(label, look)| without_level(label, look)),
     );
     categories
 }
@@ -121,31 +134,23 @@ fn category_index(kinds: &[GrowthClass], point: &MapPoint) -> u8 {
     u8::try_from(index).unwrap_or(u8::MAX)
 }
 
-/// Returns label and values of the colour level: the growth coefficient if all points with an order have the same one,
-/// otherwise the leading growth rate coefficient · k^order at `wave_number`, 1/m, since coefficients of different
-/// orders have different units.
-fn compute_colour_level(
-    points: &[MapPoint],
-    orders: &[f64],
-    wave_number: f64,
-) -> (String, Vec<f64>) {
-    match orders {
-        [] | [_] => {
+/// Returns the label of the colour level, and the factor of growth coefficients of an order in it: the level is the growth
+/// coefficient if all points with an order have the same one, otherwise the leading growth rate coefficient · k^order at
+/// `wave_number`, 1/m, since coefficients of different orders have different units.
+fn colour_level(orders: &[f64], wave_number: f64) -> (String, impl Fn(f64) -> f64) {
+    let is_uniform = orders.len() < 2;
+    let label = match is_uniform {
+        true => {
             let order = orders.first().copied().unwrap_or(1.0);
-            let label = format!(
+            format!(
                 "growth coefficient Re ς / k{} as k → ∞ ({})",
                 format_superscript(order),
                 coefficient_unit(order)
-            );
-            (label, points.iter().map(|p| p.growth_coefficient).collect())
+            )
         }
-        _ => {
-            let label =
-                format!("leading growth rate at k = {} 1/m (1/s)", format_short(wave_number));
-            let rate = |p: &MapPoint| p.growth_coefficient * wave_number.cr_powf(p.growth_order);
-            (label, points.iter().map(rate).collect())
-        }
-    }
+        false => format!("leading growth rate at k = {} 1/m (1/s)", format_short(wave_number)),
+    };
+    (label, move |order| if is_uniform { 1.0 } else { wave_number.cr_powf(order) })
 }
 
 /// Returns the curves of the closed-form bound of the model on the non-coaxiality |Δ|, degrees, if Δ is on one of the
@@ -162,13 +167,11 @@ fn collect_noncoaxiality_curves(found: &MapResult) -> Vec<MapCurve> {
     let curve = |sign: f64| {
         let points: Vec<[f64; 2]> = (0..count)
             .filter_map(|i| {
-                let slice: &mut dyn Iterator<Item = &MapPoint> = if along_x {
-                    &mut found.points[i * nx..][..nx].iter()
-                } else {
-                    &mut found.points[i..].iter().step_by(nx)
-                };
-                let bound =
-                    slice.map(|p| p.noncoaxiality_bound_deg).find(|b| b.is_finite())? * sign;
+                let (first, step, length) = if along_x { (i * nx, 1, nx) } else { (i, nx, ny) };
+                let slice = (0..length).map(|place| {
+                    found.points.number(MapNumber::NoncoaxialityBound, first + place * step)
+                });
+                let bound = slice.into_iter().find(|bound| bound.is_finite())? * sign;
                 let inside = bound >= range.first_value.min(range.last_value)
                     && bound <= range.first_value.max(range.last_value);
                 let other = other.values[i];

@@ -2,40 +2,33 @@
 
 use crate::report::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 use crate::study::MapResult;
-use crate::study::map::{MapPoint, PointSpeeds, PointStatus};
+use crate::study::map::{MapCode, MapNumber, PointStatus};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 use files::csv::CsvCell;
 
-/// Returns the numeric columns of the CSV table, which are fields of the NPZ archive too: name and value at each point.
-fn collect_numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
-    let column = |f: fn(&MapPoint) -> f64| found.points.iter().map(f).collect::<Vec<_>>();
+/// Returns the numeric columns of the CSV table, which are fields of the NPZ archive too, with their names.
+fn list_numeric_columns(found: &MapResult) -> Vec<(&'static str, MapNumber)> {
     let mut columns = vec![
-        ("order", column(|p| p.growth_order)),
-        ("coefficient", column(|p| p.growth_coefficient)),
-        ("direction_deg", column(|p| p.direction_deg)),
+        ("order", MapNumber::GrowthOrder),
+        ("coefficient", MapNumber::GrowthCoefficient),
+        ("direction_deg", MapNumber::Direction),
     ];
     match found.solid {
-        None => columns.push(("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg))),
-        Some(_) => {
-            let speed = |f: fn(&PointSpeeds) -> f64| {
-                let points = found.points.iter();
-                points.map(|p| p.speeds.as_ref().map_or(f64::NAN, f)).collect::<Vec<_>>()
-            };
-            columns.extend([
-                ("elevation_deg", column(|p| p.elevation_deg)),
-                ("flutter", speed(|s| s.max_imaginary_speed)),
-                ("least_squared_speed", speed(|s| s.min_squared_speed)),
-                ("slowest_direction_deg", speed(|s| s.slowest_normal_deg[0])),
-                ("slowest_elevation_deg", speed(|s| s.slowest_normal_deg[1])),
-            ]);
-        }
+        None => columns.push(("noncoaxiality_bound_deg", MapNumber::NoncoaxialityBound)),
+        Some(_) => columns.extend([
+            ("elevation_deg", MapNumber::Elevation),
+            ("flutter", MapNumber::Flutter),
+            ("least_squared_speed", MapNumber::LeastSquaredSpeed),
+            ("slowest_direction_deg", MapNumber::SlowestDirection),
+            ("slowest_elevation_deg", MapNumber::SlowestElevation),
+        ]),
     }
     if found.options.computes_growth_rate {
-        columns.push(("growth_rate", column(|p| p.growth_rate)));
+        columns.push(("growth_rate", MapNumber::GrowthRate));
     }
     if found.options.computes_bound {
-        columns.push(("bound", column(|p| p.growth_bound)));
+        columns.push(("bound", MapNumber::GrowthBound));
     }
     columns
 }
@@ -43,7 +36,7 @@ fn collect_numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
 /// Creates the table, one row per point.
 pub(super) fn create_table(found: &MapResult) -> DataFile<'_> {
     let is_solid = found.solid.is_some();
-    let columns = collect_numeric_columns(found);
+    let columns = list_numeric_columns(found);
     let (x, y) = (&found.x, &found.y);
     let mut header = vec!["verdict", "route"];
     header.extend(is_solid.then_some("hyperbolicity"));
@@ -58,7 +51,7 @@ pub(super) fn create_table(found: &MapResult) -> DataFile<'_> {
         if is_solid {
             row.push(point.speeds.map_or("", |speeds| speeds.hyperbolicity.name()).into());
         }
-        row.extend(columns.iter().map(|(_, values)| CsvCell::from(values[index])));
+        row.extend(columns.iter().map(|(_, own)| CsvCell::from(found.points.number(*own, index))));
         row
     });
     let parameters = [x, y].map(|axis| (axis.parameter.clone(), axis.unit.into()));
@@ -73,16 +66,11 @@ pub(super) fn create_table(found: &MapResult) -> DataFile<'_> {
 pub(super) fn create_arrays(found: &MapResult) -> DataFile<'_> {
     let (x, y) = (&found.x, &found.y);
     let shape = [y, x].map(|own| (own.parameter.as_str(), own.point_count));
-    let codes = |name: &'static str, code: fn(&MapPoint) -> i8| {
-        DataArray::new(name, &shape, "", ArrayData::I8(found.points.iter().map(code).collect()))
+    let codes = |name: &'static str, which: MapCode| {
+        DataArray::new(name, &shape, "", ArrayData::I8(found.points.codes(which).into()))
     };
     let names = PointStatus::ALL.map(PointStatus::name);
     let [closed_form, model_blind] = Route::ALL.map(Route::name);
-    let route = |p: &MapPoint| match p.route {
-        None => 0,
-        Some(Route::ClosedForm) => 1,
-        Some(Route::ModelBlind) => 2,
-    };
     let mut arrays: Vec<DataArray> = [x, y]
         .map(|own| {
             let along = [(own.parameter.as_str(), own.point_count)];
@@ -93,20 +81,19 @@ pub(super) fn create_arrays(found: &MapResult) -> DataFile<'_> {
         DataArray::texts("axes", "axis", &[&y.parameter, &x.parameter]),
         DataArray::texts("units", "axis", &[y.unit, x.unit]),
         DataArray::texts("verdict_names", "verdict_name", &names),
-        codes("verdict", |p| p.status as i8),
+        codes("verdict", MapCode::Status),
         DataArray::texts("route_names", "route_name", &["none", closed_form, model_blind]),
-        codes("route", route),
+        codes("route", MapCode::Route),
     ]);
     if found.solid.is_some() {
         let names = ["none"].into_iter().chain(Hyperbolicity::ALL.map(Hyperbolicity::name));
         let names: Vec<&str> = names.collect();
         arrays.push(DataArray::texts("hyperbolicity_names", "hyperbolicity_name", &names));
-        let number = |p: &MapPoint| p.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as i8);
-        arrays.push(codes("hyperbolicity", number));
+        arrays.push(codes("hyperbolicity", MapCode::Hyperbolicity));
     }
-    let columns = collect_numeric_columns(found).into_iter();
-    arrays
-        .extend(columns.map(|(name, values)| DataArray::numbers(name, &shape, unit(name), values)));
+    arrays.extend(list_numeric_columns(found).into_iter().map(|(name, which)| {
+        DataArray::numbers(name, &shape, unit(name), found.points.numbers(which))
+    }));
     DataFile::Arrays(arrays)
 }
 

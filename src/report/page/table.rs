@@ -6,9 +6,6 @@ use files::csv::{FirstRows, read_first_rows};
 use std::fmt::Write as _;
 use std::io::Read;
 
-/// Number of rows of a table that a page shows.
-const SHOWN_ROWS: usize = 20;
-
 /// First rows of a CSV table.
 pub struct PageTable {
     file_name: String,
@@ -18,6 +15,15 @@ pub struct PageTable {
 }
 
 impl PageTable {
+    /// Number of rows that are shown of a table.
+    pub const SHOWN_ROWS: usize = 20;
+
+    /// Creates the table from its first rows. `unit` returns the unit of a column by its name.
+    pub fn new(file_name: &str, first: FirstRows, unit: impl Fn(&str) -> String) -> Self {
+        let units = first.header.iter().map(|name| unit(name)).collect();
+        Self { file_name: file_name.to_owned(), units, first }
+    }
+
     /// Reads the first rows of a CSV table. `unit` returns the unit of a column by its name.
     ///
     /// # Errors
@@ -27,9 +33,7 @@ impl PageTable {
         csv: impl Read,
         unit: impl Fn(&str) -> String,
     ) -> std::io::Result<Self> {
-        let first = read_first_rows(csv, SHOWN_ROWS)?;
-        let units = first.header.iter().map(|name| unit(name)).collect();
-        Ok(Self { file_name: file_name.to_owned(), units, first })
+        Ok(Self::new(file_name, read_first_rows(csv, Self::SHOWN_ROWS)?, unit))
     }
 
     pub(super) fn write_html(&self, html: &mut String) {

@@ -5,7 +5,10 @@ use crate::Error;
 use crate::case::dynamics::{Precision, SnapshotOptions, SolidGrid};
 use crate::case::{Case, TimeDomainRun};
 use crate::study::simulate::{FieldQuantity, OutputFields, quantity_unit};
-use files::vti::{ImageData, ImageGrid, Storage, round_to_digits, rounding_error};
+use files::vti::{
+    ArrayDeclaration, ImageData, ImageGrid, Storage, VtkNumber, round_to_digits, rounding_error,
+};
+use std::io;
 use std::ops::Range;
 
 /// Creates the ParaView image of the fields of one time; for flows on the deformed grid, for polar grids in Cartesian
@@ -41,32 +44,53 @@ fn find_rounding_error(case: &Case) -> Option<f64> {
     (error > 0.0).then_some(error)
 }
 
-/// Adds an array with interleaved components, rounded and narrowed as the options demand.
-fn add_array(
-    image: &mut ImageData,
-    options: &SnapshotOptions,
-    (name, components): (&str, usize),
-    values: &[f64],
-) -> Result<(), Error> {
-    let round = |value: &f64| options.digits.map_or(*value, |own| round_to_digits(*value, own));
-    match (options.precision, options.digits) {
-        (Precision::F64, None) => image.add_array(name, components, values)?,
-        (Precision::F64, Some(_)) => {
-            image.add_array(name, components, &values.iter().map(round).collect::<Vec<f64>>())?;
-        }
-        (Precision::F32, _) => {
-            let narrow = values.iter().map(|value| round(value) as f32);
-            image.add_array(name, components, &narrow.collect::<Vec<f32>>())?;
-        }
-    }
-    Ok(())
+/// Array of an image, whose numbers are converted when they are written.
+struct ImageArray<'a> {
+    declaration: ArrayDeclaration,
+    /// Number of cells.
+    cell_count: usize,
+    /// Number of significant digits to which numbers are rounded; `None` if they are not.
+    digits: Option<usize>,
+    /// Components at a cell; those beyond the number of components are not written.
+    components: Box<dyn Fn(usize) -> [f64; 3] + 'a>,
 }
 
-/// Interleaves the components of a vector; missing ones are zero.
-fn interleave(axes: &[&[f64]]) -> Vec<f64> {
-    let cells = axes.first().map_or(0, |values| values.len());
-    let component = |cell: usize, axis: usize| axes.get(axis).map_or(0.0, |own| own[cell]);
-    (0..cells).flat_map(|cell| [0, 1, 2].map(|axis| component(cell, axis))).collect()
+impl<'a> ImageArray<'a> {
+    /// Creates an array of numbers of the solver, rounded and narrowed as the options demand.
+    fn new(
+        options: &SnapshotOptions,
+        (name, components): (String, usize),
+        cell_count: usize,
+        values: impl Fn(usize) -> [f64; 3] + 'a,
+    ) -> Self {
+        let vtk_type = match options.precision {
+            Precision::F64 => f64::VTK_TYPE,
+            Precision::F32 => f32::VTK_TYPE,
+        };
+        Self {
+            declaration: ArrayDeclaration { name, vtk_type, components },
+            cell_count,
+            digits: options.digits,
+            components: Box::new(values),
+        }
+    }
+
+    /// Returns the bytes of all values with interleaved components.
+    fn encode(&self) -> Vec<u8> {
+        let ArrayDeclaration { vtk_type, components, .. } = self.declaration;
+        let mut bytes = Vec::with_capacity(self.cell_count * self.declaration.cell_size());
+        for cell in 0..self.cell_count {
+            for &value in &(self.components)(cell)[..components] {
+                let value = self.digits.map_or(value, |digits| round_to_digits(value, digits));
+                match vtk_type {
+                    f32::VTK_TYPE => (value as f32).append_bytes(&mut bytes),
+                    i32::VTK_TYPE => (value as i32).append_bytes(&mut bytes),
+                    _ => value.append_bytes(&mut bytes),
+                }
+            }
+        }
+        bytes
+    }
 }
 
 /// Returns the grid of the ParaView images of a case.
@@ -129,6 +153,42 @@ pub fn create_image_piece(
 ) -> Result<ImageData, Error> {
     let moment = (fields.time, fields.deformation_gradient);
     let mut image = create_empty_image(case, moment, cells, storage)?;
+    for array in list_arrays(case, fields, cells) {
+        image.add_encoded_array(&array.declaration, &array.encode())?;
+    }
+    Ok(image)
+}
+
+/// Writes the bytes of the image that [`create_image`] creates. The converted values of one array are in memory at a time,
+/// unless values are compressed.
+///
+/// # Errors
+/// As [`create_image`], or the writer fails.
+pub fn write_image(
+    case: &Case,
+    fields: &OutputFields,
+    writer: &mut dyn io::Write,
+) -> Result<(), Error> {
+    let grid = create_image_grid(case)?;
+    let cells: Vec<Range<usize>> = grid.cells.iter().map(|count| 0..*count).collect();
+    let moment = (fields.time, fields.deformation_gradient);
+    let image = create_empty_image(case, moment, &cells, snapshot_storage(case))?;
+    let arrays = list_arrays(case, fields, &cells);
+    let declarations: Vec<ArrayDeclaration> =
+        arrays.iter().map(|array| array.declaration.clone()).collect();
+    let mut rest = arrays.iter();
+    image.write_with_arrays(&declarations, writer, |_| {
+        Ok(rest.next().map(ImageArray::encode).unwrap_or_default())
+    })?;
+    Ok(())
+}
+
+/// Lists the arrays of the image of the cells `cells` along each axis.
+fn list_arrays<'a>(
+    case: &'a Case,
+    fields: &'a OutputFields,
+    cells: &[Range<usize>],
+) -> Vec<ImageArray<'a>> {
     let polar = case.solid_run.as_ref().map(|run| &run.grid).filter(|grid| grid.is_polar());
     let is_velocity = |own: &&FieldQuantity| {
         own.name.strip_prefix('v').is_some_and(|axis| ["1", "2", "3"].contains(&axis))
@@ -137,35 +197,45 @@ pub fn create_image_piece(
     let is_shown = |own: &&FieldQuantity| options.contains(&own.name);
     let of_velocity = fields.quantities.iter().filter(is_velocity).filter(is_shown);
     let axes: Vec<&[f64]> = of_velocity.map(|own| own.values.as_slice()).collect();
+    let cell_count = axes.first().map_or(0, |values| values.len());
+    let head = || ("velocity [m/s]".to_owned(), 3);
+    let mut arrays = Vec::new();
     match (polar, axes.as_slice()) {
-        (Some(grid), [along_angle, along_radius]) => {
-            let [mut x, mut y] = [Vec::new(), Vec::new()];
-            for (cell, (a, b)) in along_angle.iter().zip(*along_radius).enumerate() {
+        (Some(grid), &[along_angle, along_radius]) => {
+            let columns = cells[0].clone();
+            arrays.push(ImageArray::new(options, head(), cell_count, move |cell| {
                 // The angle depends on the first coordinate alone.
-                let column = cells[0].start + cell % cells[0].len();
-                let cartesian = reflect_components(grid, column, [*a, *b]);
-                x.push(cartesian[0]);
-                y.push(cartesian[1]);
-            }
-            add_array(&mut image, options, ("velocity [m/s]", 3), &interleave(&[&x, &y]))?;
+                let column = columns.start + cell % columns.len();
+                let [x, y] =
+                    reflect_components(grid, column, [along_angle[cell], along_radius[cell]]);
+                [x, y, 0.0]
+            }));
         }
         (_, []) => {}
-        _ => add_array(&mut image, options, ("velocity [m/s]", 3), &interleave(&axes))?,
+        _ => arrays.push(ImageArray::new(options, head(), cell_count, move |cell| {
+            [0, 1, 2].map(|axis| axes.get(axis).map_or(0.0, |own| own[cell]))
+        })),
     }
+    let scalar = |name: String, values: &'a [f64]| {
+        ImageArray::new(options, (name, 1), values.len(), move |cell| [values[cell], 0.0, 0.0])
+    };
     for own in fields.quantities.iter().filter(|own| !is_velocity(own)).filter(is_shown) {
-        let name = format!("{} [{}]", own.name, own.unit);
-        add_array(&mut image, options, (&name, 1), &own.values)?;
+        arrays.push(scalar(format!("{} [{}]", own.name, own.unit), &own.values));
     }
     if !fields.plastic_dissipation.is_empty() && options.contains("dissipation") {
-        let name = ("dissipation [J/m3]", 1);
-        add_array(&mut image, options, name, &fields.plastic_dissipation)?;
+        arrays.push(scalar("dissipation [J/m3]".to_owned(), &fields.plastic_dissipation));
     }
-    if !fields.region_indices.is_empty() {
-        let regions: Vec<i32> =
-            fields.region_indices.iter().map(|&region| i32::from(region)).collect();
-        image.add_array("region", 1, &regions)?;
+    let regions = &fields.region_indices;
+    if !regions.is_empty() {
+        let name = "region".to_owned();
+        arrays.push(ImageArray {
+            declaration: ArrayDeclaration { name, vtk_type: i32::VTK_TYPE, components: 1 },
+            cell_count: regions.len(),
+            digits: None,
+            components: Box::new(|cell| [f64::from(regions[cell]), 0.0, 0.0]),
+        });
     }
-    Ok(image)
+    arrays
 }
 
 /// Reads time, velocities, spin and stresses of a snapshot of a solid.

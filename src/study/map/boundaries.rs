@@ -2,17 +2,22 @@
 
 use super::distribution::Distribution;
 use super::point_assessor::PointAssessor;
-use super::{MapOptions, MapPoint, POINTS_PER_PROGRESS_REPORT, PointStatus};
+use super::{MapOptions, MapPoint, MapPoints, POINTS_PER_PROGRESS_REPORT, PointStatus};
 use crate::Error;
 use crate::case::{Case, MapAxes};
 use crate::study::{ProgressCallback, report_progress};
 use analysis::solids::AcousticTensorCache;
 use dynamics::decomposition::communicator::Communicator;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Number of bisections of a step: a boundary is known to 1/16 of the step.
 pub(super) const BISECTION_COUNT: usize = 4;
+/// Number of parts of a step in which places of boundaries are whole numbers: bisection ends in the middle of an interval.
+pub const STEP_PARTS: u8 = 2 << BISECTION_COUNT;
+/// Number of parts of a step on which the verdict does not change.
+const NO_CHANGE: u8 = u8::MAX;
 /// Distance of boundaries from a point on both sides, as a fraction of the step, up to which the points with the verdict
 /// in between are regarded as a set without area.
 const LINE_TOLERANCE: f64 = 0.125;
@@ -20,12 +25,13 @@ const LINE_TOLERANCE: f64 = 0.125;
 /// Places where the verdict changes between neighbouring points of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapBoundaries {
-    /// For each point the place of the change between it and the next point along x, and along y, as a fraction of the
-    /// step; NaN without change. Points are in the order of the map, with x varying fastest.
-    pub step_fractions: [Vec<f64>; 2],
+    /// For each point the place of the change between it and the next point along x, and along y, as a number of parts of
+    /// the step, of which there are [`STEP_PARTS`]; a larger number without change. Points are in the order of the map,
+    /// with x varying fastest.
+    pub step_parts: [Arc<Vec<u8>>; 2],
     /// Whether each point belongs to a set of equal verdicts without area, such as the states on a curve: the verdict
     /// changes at the point itself on both sides along x or along y.
-    pub is_on_line: Vec<bool>,
+    pub is_on_line: Arc<Vec<bool>>,
 }
 
 impl MapBoundaries {
@@ -38,7 +44,7 @@ impl MapBoundaries {
         case: &Case,
         map: &MapAxes,
         options: MapOptions,
-        points: &[MapPoint],
+        points: &MapPoints,
         (communicator, progress): (&dyn Communicator, ProgressCallback),
     ) -> Result<Self, Error> {
         let counts = [map.x.point_count, map.y.point_count];
@@ -48,7 +54,7 @@ impl MapBoundaries {
         let changes: Vec<(usize, usize)> = (0..2)
             .flat_map(|axis| (0..points.len()).map(move |point| (point, axis)))
             .filter(|&(point, axis)| {
-                has_next(point, axis) && !points[point].has_verdict_of(&points[point + steps[axis]])
+                has_next(point, axis) && !points.have_same_verdict(point, point + steps[axis])
             })
             .collect();
         let cache = AcousticTensorCache::default();
@@ -72,7 +78,7 @@ impl MapBoundaries {
                 || PointAssessor::new(case, map, options, &cache),
                 |assessor, (_, (places, changes))| {
                     for (place, &(point, axis)) in places.iter_mut().zip(changes) {
-                        *place = bisect(assessor, position(point), axis, &points[point]);
+                        *place = bisect(assessor, position(point), axis, &points.get(point));
                     }
                     let count = done.fetch_add(changes.len(), Ordering::Relaxed) + changes.len();
                     report_progress(progress, count, own_count)
@@ -80,28 +86,40 @@ impl MapBoundaries {
             )
             .collect::<Result<(), Error>>()?;
         distribution.exchange(&mut located, |place| [*place], |[place]| place);
-        let mut step_fractions = [0, 1].map(|_| vec![f64::NAN; points.len()]);
+        let mut step_parts = [0, 1].map(|_| vec![NO_CHANGE; points.len()]);
         for ((point, axis), fraction) in changes.into_iter().zip(located) {
-            step_fractions[axis][point] = fraction;
+            step_parts[axis][point] = (fraction * f64::from(STEP_PARTS)) as u8;
         }
+        let step_parts = step_parts.map(Arc::new);
+        let own = Self { step_parts, is_on_line: Arc::default() };
         let is_thin = |point: usize, axis: usize| {
-            let after = has_next(point, axis).then(|| step_fractions[axis][point]);
+            let after = has_next(point, axis).then(|| own.step_fraction(axis, point));
             let before = (position(point)[axis] > 0)
-                .then(|| 1.0 - step_fractions[axis][point - steps[axis]]);
+                .then(|| 1.0 - own.step_fraction(axis, point - steps[axis]));
             let mut sides = before.into_iter().chain(after).peekable();
             sides.peek().is_some() && sides.all(|distance| distance <= LINE_TOLERANCE)
         };
-        let is_on_line =
+        let is_on_line: Vec<bool> =
             (0..points.len()).map(|point| is_thin(point, 0) || is_thin(point, 1)).collect();
-        Ok(Self { step_fractions, is_on_line })
+        Ok(Self { is_on_line: Arc::new(is_on_line), ..own })
+    }
+
+    /// Returns the place of the change between a point and the next along an axis, as a fraction of the step; NaN without
+    /// change.
+    pub fn step_fraction(&self, axis: usize, point: usize) -> f64 {
+        match self.step_parts[axis][point] {
+            NO_CHANGE => f64::NAN,
+            parts => f64::from(parts) / f64::from(STEP_PARTS),
+        }
     }
 
     /// Returns whether points with a status exist and all of them belong to sets without area.
-    pub fn is_status_on_lines(&self, points: &[MapPoint], status: PointStatus) -> bool {
-        let mut own = points
+    pub fn is_status_on_lines(&self, points: &MapPoints, status: PointStatus) -> bool {
+        let mut own = self
+            .is_on_line
             .iter()
-            .zip(&self.is_on_line)
-            .filter(|(point, _)| point.status == status)
+            .enumerate()
+            .filter(|(point, _)| points.has_status(*point, status))
             .peekable();
         own.peek().is_some() && own.all(|(_, is_on_line)| *is_on_line)
     }

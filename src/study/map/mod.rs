@@ -3,18 +3,20 @@
 mod boundaries;
 mod distribution;
 mod point_assessor;
+mod points;
 pub mod samples;
 pub mod summary;
 
-pub use boundaries::MapBoundaries;
+pub use boundaries::{MapBoundaries, STEP_PARTS};
 pub use point_assessor::{MapPoint, PointSpeeds, PointStatus};
+pub use points::{MapCode, MapNumber, MapPoints};
 pub use samples::{MapSamples, WaveSample, sample_map};
 pub use summary::MapResult;
 
 use super::available_memory::AvailableMemory;
 use super::simulate::Bytes;
 use super::{ProgressCallback, report_progress};
-use crate::case::{Case, MapAxes, ParameterSweep};
+use crate::case::{Case, MapAxes, ModelKind, ParameterSweep};
 use crate::{Error, setup};
 use analysis::solids::AcousticTensorCache;
 use distribution::Distribution;
@@ -25,11 +27,23 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Memory of the program and the picture, bytes, which a map needs in addition to its points and one table column.
-const PROGRAM_MEMORY_BYTES: f64 = 60.0 * 1048576.0;
+/// Memory of the program, a block of points and two files of a picture, bytes, by measurement, which a map needs besides its
+/// points.
+const PROGRAM_MEMORY_BYTES: f64 = 81.0 * 1048576.0;
+
+/// Bytes for each point that the picture has, by measurement, and the largest number of such points along each axis.
+const PICTURE_BYTES_PER_POINT: usize = 50;
+const MAX_PICTURE_POINTS: [usize; 2] = [1300, 900];
+
+/// Bytes that a map stores for each point besides its numbers: three codes, the places of two boundaries, and whether it is
+/// on a line; its category in the picture and two marks of lines while it is drawn.
+const MARKS_PER_POINT: usize = 9;
 
 /// Number of points that a thread assesses between progress reports.
 const POINTS_PER_PROGRESS_REPORT: usize = 64;
+
+/// Number of points that are assessed together, before they are stored in compact form and exchanged between ranks.
+const POINTS_PER_BLOCK: usize = 1024 * POINTS_PER_PROGRESS_REPORT;
 
 /// Quantities to be computed on a map besides the verdicts. Growth rates and their suprema need the dispersion
 /// polynomial of every state; if they are computed, no verdict is by closed form.
@@ -105,7 +119,7 @@ pub fn compute_map(
     progress: ProgressCallback,
 ) -> Result<MapResult, Error> {
     case.check_without_contacts()?;
-    check_map_memory(case)?;
+    check_map_memory(case, options)?;
     compute_map_on_ranks(case, options, &SingleProcess, progress)
 }
 
@@ -139,17 +153,39 @@ pub fn compute_map_on_ranks(
     Ok(MapResult::new(case, map, options, points, boundaries))
 }
 
-/// Checks that memory suffices for the points of the map of a case, twice if they are transposed, and for one table
-/// column.
+/// Estimates the peak memory of the map of a case and of its output, bytes: that of the program with a block of points and
+/// a picture, and of each point its numbers, codes and marks. Files are written row by row. A map all of whose steps change
+/// the verdict needs more while the changes are located.
+///
+/// # Errors
+/// The case has no map.
+pub fn estimate_map_memory(case: &Case, options: MapOptions) -> Result<Bytes, Error> {
+    let map = case.require_map()?;
+    let points = map.x.point_count as f64 * map.y.point_count as f64;
+    let MapOptions { computes_bound, computes_growth_rate, .. } = options.with_swept_wave(map);
+    // Order, coefficient and directions of the growth; the bound on the non-coaxiality, or the speeds.
+    let number_count = match case.material.kind {
+        ModelKind::Flow(_) => 4,
+        ModelKind::Equations | ModelKind::Rheology => 5,
+        ModelKind::Solid(_) => 8,
+    } + usize::from(computes_bound)
+        + usize::from(computes_growth_rate);
+    let of_point = size_of::<f64>() * number_count + MARKS_PER_POINT;
+    let [columns, rows] = MAX_PICTURE_POINTS;
+    let drawn = map.x.point_count.min(columns) * map.y.point_count.min(rows);
+    let picture = PROGRAM_MEMORY_BYTES + (PICTURE_BYTES_PER_POINT * drawn) as f64;
+    Ok(Bytes(picture + points * of_point as f64))
+}
+
+/// Checks that memory suffices for the map of a case.
 ///
 /// # Errors
 /// The case has no map, or memory is insufficient.
-pub fn check_map_memory(case: &Case) -> Result<(), Error> {
+pub fn check_map_memory(case: &Case, options: MapOptions) -> Result<(), Error> {
     let map = case.require_map()?;
-    let points = map.x.point_count as f64 * map.y.point_count as f64;
-    let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
-    let needed = Bytes(PROGRAM_MEMORY_BYTES + points * (of_point + size_of::<f64>()) as f64);
+    let needed = estimate_map_memory(case, options)?;
     let Some(available) = AvailableMemory::find_shortage(needed) else { return Ok(()) };
+    let points = map.x.point_count as f64 * map.y.point_count as f64;
     let found = format!("{points} points, memory {needed}, more than {available}");
     Err(case
         .locate_error(InputError {
@@ -172,10 +208,9 @@ fn is_transposed(case: &Case, map: &MapAxes) -> bool {
 /// counts those that fail.
 ///
 /// # Errors
-/// The case has no map or is invalid at all of its points, or memory is insufficient; [`Error::Cancelled`].
+/// The case has no map or is invalid at all of its points; [`Error::Cancelled`].
 pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error> {
     let map = case.require_map()?;
-    check_map_memory(case)?;
     let cache = AcousticTensorCache::default();
     let mut assessor = PointAssessor::new(case, map, MapOptions::default(), &cache);
     let (nx, ny) = (map.x.point_count, map.y.point_count);
@@ -200,12 +235,10 @@ fn assess_points(
     options: MapOptions,
     communicator: &dyn Communicator,
     progress: ProgressCallback,
-) -> Result<Vec<MapPoint>, Error> {
+) -> Result<MapPoints, Error> {
     let (nx, ny) = (map.x.point_count, map.y.point_count);
-    let mut points: Vec<MapPoint> = Vec::new();
-    points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
-    points.resize(nx * ny, MapPoint::with_status(PointStatus::OutsideModel));
-
+    let count = nx * ny;
+    let mut points = MapPoints::new(count)?;
     let is_transposed = is_transposed(case, map);
     let grid_indices = |index: usize| match is_transposed {
         true => [index / ny, index % ny],
@@ -214,53 +247,58 @@ fn assess_points(
     let cache = AcousticTensorCache::default();
     let (done, is_cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
     let distribution = Distribution::new(communicator, POINTS_PER_PROGRESS_REPORT);
-    let own_count = distribution.own_count(nx * ny);
-    let first_invalid = points
-        .par_chunks_mut(POINTS_PER_PROGRESS_REPORT)
-        .enumerate()
-        .filter(|(chunk, _)| distribution.is_own(*chunk))
-        .map_init(
-            || PointAssessor::new(case, map, options, &cache),
-            |assessor, (chunk, block)| {
-                let mut first_invalid = None;
-                if is_cancelled.load(Ordering::Relaxed) {
-                    return first_invalid;
-                }
-                for (offset, point) in block.iter_mut().enumerate() {
-                    let index = chunk * POINTS_PER_PROGRESS_REPORT + offset;
-                    let [x, y] = grid_indices(index);
-                    match assessor.assess_point(x, y) {
-                        Ok(assessed) => *point = assessed,
-                        Err(_) => _ = first_invalid.get_or_insert(index),
+    let block_starts = || (0..count).step_by(POINTS_PER_BLOCK);
+    let block_length = |start: usize| POINTS_PER_BLOCK.min(count - start);
+    let own_count: usize =
+        block_starts().map(|start| distribution.own_count(block_length(start))).sum();
+    let mut first_invalid = None;
+    for start in block_starts() {
+        let mut block = vec![MapPoint::with_status(PointStatus::OutsideModel); block_length(start)];
+        let invalid = block
+            .par_chunks_mut(POINTS_PER_PROGRESS_REPORT)
+            .enumerate()
+            .filter(|(chunk, _)| distribution.is_own(*chunk))
+            .map_init(
+                || PointAssessor::new(case, map, options, &cache),
+                |assessor, (chunk, part)| {
+                    let mut first_invalid = None;
+                    if is_cancelled.load(Ordering::Relaxed) {
+                        return first_invalid;
                     }
-                }
-                let steps = done.fetch_add(block.len(), Ordering::Relaxed) + block.len();
-                if progress(steps * (nx * ny) / own_count, nx * ny).is_break() {
-                    is_cancelled.store(true, Ordering::Relaxed);
-                }
-                first_invalid
-            },
-        )
-        .flatten()
-        .min();
-    if is_cancelled.into_inner() {
-        return Err(Error::Cancelled);
+                    for (offset, point) in part.iter_mut().enumerate() {
+                        let index = start + chunk * POINTS_PER_PROGRESS_REPORT + offset;
+                        let [x, y] = grid_indices(index);
+                        match assessor.assess_point(x, y) {
+                            Ok(assessed) => *point = assessed,
+                            Err(_) => _ = first_invalid.get_or_insert(index),
+                        }
+                    }
+                    let steps = done.fetch_add(part.len(), Ordering::Relaxed) + part.len();
+                    if progress(steps * count / own_count, count).is_break() {
+                        is_cancelled.store(true, Ordering::Relaxed);
+                    }
+                    first_invalid
+                },
+            )
+            .flatten()
+            .min();
+        if is_cancelled.load(Ordering::Relaxed) {
+            return Err(Error::Cancelled);
+        }
+        first_invalid = first_invalid.or(invalid);
+        distribution.exchange(&mut block, MapPoint::numbers, MapPoint::from_numbers);
+        for (offset, point) in block.iter().enumerate() {
+            let [x, y] = grid_indices(start + offset);
+            points.set(y * nx + x, point);
+        }
     }
-    distribution.exchange(&mut points, MapPoint::numbers, MapPoint::from_numbers);
     // A map may extend outside the range of the model; only a map that is entirely outside is an error.
-    let is_outside = points.iter().all(|point| point.status == PointStatus::OutsideModel);
+    let is_outside = (0..count).all(|point| points.has_status(point, PointStatus::OutsideModel));
     if let Some(index) = distribution.find_least(first_invalid).filter(|_| is_outside) {
         let [x, y] = grid_indices(index);
         PointAssessor::new(case, map, options, &cache)
             .assess_point(x, y)
             .map_err(|error| setup::locate_map_point_error(case, error))?;
-    }
-    if is_transposed {
-        let by_column = points.clone();
-        for (index, point) in by_column.into_iter().enumerate() {
-            let [x, y] = grid_indices(index);
-            points[y * nx + x] = point;
-        }
     }
     Ok(points)
 }
@@ -317,9 +355,9 @@ mod tests {
             let expected = compute_map(&case, MapOptions::default(), &ignore_progress);
             let expected = expected.expect("a map");
             let bits = |map: &MapResult| -> Vec<u64> {
-                let points = map.points.iter().flat_map(MapPoint::numbers);
-                let places = map.boundaries.step_fractions.iter().flatten().copied();
-                points.chain(places).map(f64::to_bits).collect()
+                let points = map.points.iter().flat_map(|point| point.numbers());
+                let places = map.boundaries.step_parts.iter().flat_map(|own| own.iter().copied());
+                points.map(f64::to_bits).chain(places.map(u64::from)).collect()
             };
             for size in [2, 3, 40] {
                 for found in compute_on_ranks(&case, size) {

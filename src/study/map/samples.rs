@@ -62,8 +62,8 @@ pub fn sample_map(
     on_progress: ProgressCallback,
 ) -> Result<MapSamples, Error> {
     let axes = case.require_map()?;
-    let assessed_count = map.points.iter().filter(|point| point.route == Some(Route::ModelBlind));
-    let wave_count = MIN_WAVE_COUNT + WAVES_PER_ASSESSED_POINT * assessed_count.count();
+    let assessed_count = map.route_counts[Route::ModelBlind as usize].1;
+    let wave_count = MIN_WAVE_COUNT + WAVES_PER_ASSESSED_POINT * assessed_count;
     let counts = [map.x.point_count, map.y.point_count];
     let [columns, rows] = select_grid(counts, wave_count / DIRECTION_INTERVALS);
     let directions_deg: Vec<f64> = (0..=DIRECTION_INTERVALS)
@@ -78,7 +78,7 @@ pub fn sample_map(
         points.par_extend(part.par_iter().map_init(
             || PointAssessor::new(case, axes, MapOptions::default(), &cache),
             |assessor, &[column, row]| {
-                let point = &map.points[row * map.x.point_count + column];
+                let point = map.points.get(row * map.x.point_count + column);
                 // A point outside the range of the model has no state.
                 let sample = point.status.has_state().then(|| {
                     assessor.sample_position([column as f64, row as f64], &directions_deg).ok()

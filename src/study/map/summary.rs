@@ -1,6 +1,6 @@
 //! Result of a map and its summary: counts, intervals, fastest growth.
 
-use super::{MapBoundaries, MapOptions, MapPoint, MapSamples, PointStatus};
+use super::{MapBoundaries, MapNumber, MapOptions, MapPoints, MapSamples, PointStatus};
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, SweepSpacing};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
@@ -39,7 +39,7 @@ pub struct MapResult {
     pub solid: Option<SolidMapSummary>,
     /// Results at all points of the map, with x varying fastest.
     #[serde(skip)]
-    pub points: Vec<MapPoint>,
+    pub points: MapPoints,
     /// Places where the verdict changes between neighbouring points.
     #[serde(skip)]
     pub boundaries: MapBoundaries,
@@ -149,11 +149,25 @@ impl MapResult {
         case: &Case,
         map: &MapAxes,
         options: MapOptions,
-        points: Vec<MapPoint>,
+        points: MapPoints,
         boundaries: MapBoundaries,
     ) -> Self {
-        let count = |is: &dyn Fn(&MapPoint) -> bool| points.iter().filter(|p| is(p)).count();
-        let counts = PointStatus::ALL.map(|status| (status, count(&|p| p.status == status)));
+        let mut counts = PointStatus::ALL.map(|status| (status, 0));
+        let mut route_counts = Route::ALL.map(|route| (route.name(), 0));
+        let mut hyperbolicity_counts = Hyperbolicity::ALL.map(|own| (own.name(), 0));
+        let mut unbounded_count = 0;
+        for point in points.iter() {
+            let of_place = |place: usize| usize::from(place == point.status as usize);
+            counts.iter_mut().enumerate().for_each(|(place, own)| own.1 += of_place(place));
+            if let Some(route) = point.route {
+                route_counts[route as usize].1 += 1;
+            }
+            if let Some(speeds) = point.speeds {
+                hyperbolicity_counts[speeds.hyperbolicity as usize].1 += 1;
+            }
+            let is_unbounded = point.status == PointStatus::IllPosed && point.growth_order.is_nan();
+            unbounded_count += usize::from(is_unbounded);
+        }
         let states: usize =
             counts.iter().filter(|(status, _)| status.has_state()).map(|(_, count)| count).sum();
         let well_posed = counts[PointStatus::WellPosed as usize].1;
@@ -164,19 +178,14 @@ impl MapResult {
             x: MapAxis::from(&map.x),
             y: MapAxis::from(&map.y),
             status_counts: counts.map(|(status, count)| (status.name(), count)),
-            unbounded_at_finite_wave_number: count(&|p| {
-                p.status == PointStatus::IllPosed && p.growth_order.is_nan()
-            }),
+            unbounded_at_finite_wave_number: unbounded_count,
             well_posed_fraction: (states > 0).then(|| well_posed as f64 / states as f64),
             well_posed_intervals: sample_intervals(map, &points),
             fastest_growth_point: find_fastest_growth_point(map, &points, is_solid),
-            route_counts: Route::ALL
-                .map(|route| (route.name(), count(&|p| p.route == Some(route)))),
+            route_counts,
             solid: is_solid.then(|| SolidMapSummary {
                 yield_set: case.material.yield_set.map(|set| set.name),
-                hyperbolicity_counts: Hyperbolicity::ALL.map(|h| {
-                    (h.name(), count(&|p| p.speeds.is_some_and(|s| s.hyperbolicity == h)))
-                }),
+                hyperbolicity_counts,
             }),
             points,
             boundaries,
@@ -188,17 +197,20 @@ impl MapResult {
 
 fn find_fastest_growth_point(
     map: &MapAxes,
-    points: &[MapPoint],
+    points: &MapPoints,
     is_solid: bool,
 ) -> Option<FastestGrowthPoint> {
-    let mut worst: Option<(usize, &MapPoint)> = None;
-    for (index, point) in points.iter().enumerate() {
-        let key = |p: &MapPoint| (p.growth_order, p.growth_coefficient);
-        if point.growth_order.is_finite() && worst.is_none_or(|(_, w)| key(point) > key(w)) {
-            worst = Some((index, point));
+    let mut worst: Option<(usize, (f64, f64))> = None;
+    for index in 0..points.len() {
+        let key = [MapNumber::GrowthOrder, MapNumber::GrowthCoefficient]
+            .map(|which| points.number(which, index));
+        let key = (key[0], key[1]);
+        if key.0.is_finite() && worst.is_none_or(|(_, other)| key > other) {
+            worst = Some((index, key));
         }
     }
-    let (index, point) = worst?;
+    let index = worst?.0;
+    let point = points.get(index);
     Some(FastestGrowthPoint {
         x: map.x.sweep_value(index % map.x.point_count),
         y: map.y.sweep_value(index / map.x.point_count),
@@ -209,26 +221,31 @@ fn find_fastest_growth_point(
     })
 }
 
-fn sample_intervals(map: &MapAxes, points: &[MapPoint]) -> Vec<WellPosedIntervals> {
+fn sample_intervals(map: &MapAxes, points: &MapPoints) -> Vec<WellPosedIntervals> {
     let last = map.y.point_count - 1;
     let mut rows = vec![0, last / 4, last / 2, 3 * last / 4, last];
     rows.dedup();
     let intervals = rows.into_iter().map(|row| {
-        let along_x = &points[row * map.x.point_count..][..map.x.point_count];
+        let is_well_posed = |column: usize| {
+            points.has_status(row * map.x.point_count + column, PointStatus::WellPosed)
+        };
         WellPosedIntervals {
             y: map.y.sweep_value(row),
-            x: find_well_posed_intervals(&map.x, along_x),
+            x: find_well_posed_intervals(&map.x, is_well_posed),
         }
     });
     intervals.collect()
 }
 
 /// Returns the first and last value of x of each run of adjacent well-posed points.
-fn find_well_posed_intervals(x: &ParameterSweep, row: &[MapPoint]) -> Vec<[f64; 2]> {
+fn find_well_posed_intervals(
+    x: &ParameterSweep,
+    is_well_posed: impl Fn(usize) -> bool,
+) -> Vec<[f64; 2]> {
     let mut intervals: Vec<[f64; 2]> = Vec::new();
     let mut was_well = false;
-    for (i, point) in row.iter().enumerate() {
-        let is_well = point.status == PointStatus::WellPosed;
+    for i in 0..x.point_count {
+        let is_well = is_well_posed(i);
         match intervals.last_mut() {
             Some(last) if is_well && was_well => last[1] = x.sweep_value(i),
             _ if is_well => intervals.push([x.sweep_value(i); 2]),
