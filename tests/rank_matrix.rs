@@ -32,9 +32,10 @@ const PERIODIC: &str = "[[boundary]]\nside = 'x1-'\nkind = 'periodic'\n[[boundar
 
 /// Composes a case in `D` dimensions of a model and further sections, with a load, a receiver and snapshots.
 fn compose<const D: usize>(model: &str, sections: &str) -> String {
+    // Seven ranks cut one axis, and parts need the cells of wide halos.
     let (cells, at, component, position) = match D {
         2 => ("[37, 64]", "[8]", "22", "[8, 12]"),
-        _ => ("[16, 18, 60]", "[4, 5]", "33", "[4, 5, 6]"),
+        _ => ("[10, 12, 112]", "[2, 3]", "33", "[2, 3, 6]"),
     };
     format!(
         "[model]\n{model}dimensions = {D}\n{sections}[grid]\ncells = {cells}\nspacing = 0.5\n[time]\nduration = 0.03\n\
