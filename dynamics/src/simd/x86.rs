@@ -369,8 +369,8 @@ unsafe fn blend_single512(operand: __m512, lanes: u16, other: __m512) -> __m512 
 }
 
 // Three-argument minmod: bit patterns of numbers of equal sign are ordered as their magnitudes, and integer minima
-// leave the floating-point units free. AVX2 has no minimum of 64-bit integers, SSE2 none at all: they use that of
-// floating-point magnitudes.
+// leave the floating-point units free. AVX2 has a comparison of 64-bit integers, but no minimum. SSE2 has neither: there,
+// minima are those of floating-point magnitudes.
 
 #[inline(always)]
 unsafe fn minmod3_double128(mean: __m128d, one: __m128d, other: __m128d) -> __m128d {
@@ -400,12 +400,17 @@ unsafe fn minmod3_single128(mean: __m128, one: __m128, other: __m128) -> __m128 
 #[inline(always)]
 unsafe fn minmod3_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
     unsafe {
-        let sign = _mm256_set1_pd(-0.0);
-        let (mean, smallest) = (_mm256_andnot_pd(sign, mean), _mm256_andnot_pd(sign, one));
-        let last = _mm256_andnot_pd(sign, other);
-        let smallest = _mm256_min_pd(_mm256_min_pd(mean, smallest), last);
-        let smallest = _mm256_or_pd(smallest, _mm256_and_pd(sign, one));
+        let smallest = smaller_double256(smaller_double256(one, other), mean);
         _mm256_blendv_pd(smallest, _mm256_setzero_pd(), _mm256_xor_pd(one, other))
+    }
+}
+
+/// Returns the number of smaller magnitude of two numbers of equal sign.
+#[inline(always)]
+unsafe fn smaller_double256(one: __m256d, other: __m256d) -> __m256d {
+    unsafe {
+        let is_greater = _mm256_cmpgt_epi64(_mm256_castpd_si256(one), _mm256_castpd_si256(other));
+        _mm256_blendv_pd(one, other, _mm256_castsi256_pd(is_greater))
     }
 }
 
