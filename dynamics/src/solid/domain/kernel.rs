@@ -14,6 +14,7 @@ pub(crate) mod contacts;
 mod field_offsets;
 mod interlayer_law;
 pub(crate) mod interlayers;
+mod one_pattern;
 mod wide;
 
 use super::layout::GroupIndex;
@@ -35,20 +36,26 @@ pub(crate) const MAX_PREFETCH_FIELDS: usize = 4;
 /// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `into_l1`, else into L2.
 #[inline(always)]
 fn prefetch<N>(from: &[N], distance: usize, into_l1: bool) {
+    for line in (0..size_of::<N>()).step_by(64) {
+        let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
+        prefetch_line(address.wrapping_add(line), into_l1);
+    }
+}
+
+/// Prefetches the cache line at an address, which may be invalid, into L1 if `into_l1`, else into L2.
+#[inline(always)]
+fn prefetch_line(address: *const i8, into_l1: bool) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: the address is not dereferenced; prefetching an invalid address has no effect.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
-        let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
-        for line in (0..size_of::<N>()).step_by(64) {
-            match into_l1 {
-                true => _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line)),
-                false => _mm_prefetch::<_MM_HINT_T1>(address.wrapping_add(line)),
-            }
+        match into_l1 {
+            true => _mm_prefetch::<_MM_HINT_T0>(address),
+            false => _mm_prefetch::<_MM_HINT_T1>(address),
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (from, distance, into_l1);
+    let _ = (address, into_l1);
 }
 
 /// State that a sweep carries from a group to the next group of the line, for one pair of waves.
@@ -261,12 +268,10 @@ impl<T: Real> SweepLines<'_, T> {
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
-                _ if KIND != UNIFORM => {
-                    self.sweep_pair::<V, 2, KIND>(lines, index, pattern, slopes)
-                }
-                0 => self.sweep_pair::<V, 0, KIND>(lines, index, pattern, slopes),
-                1 => self.sweep_pair::<V, 1, KIND>(lines, index, pattern, slopes),
-                _ => self.sweep_pair::<V, 2, KIND>(lines, index, pattern, slopes),
+                _ if KIND != UNIFORM => self.sweep_pair::<V, 2, KIND>(lines, index, slopes),
+                0 => self.sweep_uniform_pair::<V, 0>(lines, index, pattern, slopes),
+                1 => self.sweep_uniform_pair::<V, 1>(lines, index, pattern, slopes),
+                _ => self.sweep_uniform_pair::<V, 2>(lines, index, pattern, slopes),
             }
         }
     }
@@ -333,22 +338,19 @@ impl<T: Real> SweepLines<'_, T> {
         offsets
     }
 
-    /// Sweeps a pair of waves along lines of a `KIND`.
+    /// Sweeps a pair of waves along lines of a `KIND` that may have several lane patterns.
     #[inline(always)]
     fn sweep_pair<V: Vector<T>, const PASSIVE: usize, const KIND: u8>(
         &mut self,
         lines: Range<usize>,
         index: usize,
-        mut pattern: u32,
         slopes: Slopes,
     ) {
         let wave = &self.waves[index];
-        let passive_count = if KIND == UNIFORM { PASSIVE } else { wave.passive_stresses.len() };
-        let offsets: FieldOffsets<PASSIVE> = self.field_offsets(index, passive_count);
+        let offsets: FieldOffsets<PASSIVE> = self.field_offsets(index, wave.passive_stresses.len());
         let extent = offsets.extent;
         let (path, lane_pattern_indices, steps) =
             (self.path, self.lane_pattern_indices, self.path.len() - 2);
-        let mut cell: CellConstants<V> = CellConstants::load(self.table.constants(pattern, wave));
         let is_one_medium = KIND == WITH_INTERLAYERS && self.has_stencils();
         for line in lines {
             let slot = line * self.waves.len() + index;
@@ -361,12 +363,10 @@ impl<T: Real> SweepLines<'_, T> {
                 prefetch(group, self.prefetch_l1_distance + offsets.velocity, true);
                 prefetch(group, self.prefetch_l1_distance + offsets.stress, true);
             }
-            let mut outer_pattern = pattern;
-            if KIND != UNIFORM {
-                outer_pattern = lane_pattern_indices[self.previous_group.group + offset.group];
-                pattern = lane_pattern_indices[path[0].group + offset.group];
-                cell = CellConstants::load(self.table.constants(pattern, wave));
-            }
+            let mut outer_pattern = lane_pattern_indices[self.previous_group.group + offset.group];
+            let mut pattern = lane_pattern_indices[path[0].group + offset.group];
+            let mut cell: CellConstants<V> =
+                CellConstants::load(self.table.constants(pattern, wave));
             let previous: State<V> = self.load_state(&offsets, path[0].start + offset.start);
             let current: State<V> = self.load_state(&offsets, path[1].start + offset.start);
             let carried = match self.is_line_start {
@@ -381,8 +381,7 @@ impl<T: Real> SweepLines<'_, T> {
                 let ratios: [V; PASSIVE] = self.load_ratios(pattern, wave);
                 while place < steps
                     && (KIND != WITH_INTERLAYERS || self.stencil_index(line, place) == 0)
-                    && (KIND == UNIFORM
-                        || is_one_medium
+                    && (is_one_medium
                         || (outer_pattern == pattern
                             && lane_pattern_indices[path[place + 1].group + offset.group]
                                 == pattern
@@ -395,8 +394,7 @@ impl<T: Real> SweepLines<'_, T> {
                     self.advance_group(&offsets, &mut stencil_state, group_starts, media, slopes);
                     place += 1;
                 }
-                // The following code is not compiled for lines of one pattern.
-                if KIND == UNIFORM || place == steps {
+                if place == steps {
                     break;
                 }
                 let group_starts =
