@@ -55,9 +55,9 @@ impl<T: Real> SweepLines<'_, T> {
         let (half, wave, path) = (W / 2, &self.waves[index], self.path);
         let offsets = self.field_offsets::<PASSIVE>(index, PASSIVE);
         let cell: CellConstants<V> = CellConstants::load(self.table.constants(0, wave));
-        // A copy by constant indices, which the compiler keeps in registers.
         let computed_weights: [V; W] = face_weights(cell.half_courant + cell.half_courant);
         let mut weights = [V::ZERO; W];
+        #[expect(clippy::manual_memcpy, reason = "the compiler keeps the copy in registers")]
         for place in 0..W {
             weights[place] = computed_weights[place];
         }
