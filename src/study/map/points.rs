@@ -182,7 +182,7 @@ mod tests {
     /// Points come back unchanged, in any order of setting, and lists exist only of numbers that some point has.
     #[test]
     fn points_are_returned_unchanged() {
-        let number = |seed: usize| if seed % 3 == 0 { f64::NAN } else { seed as f64 };
+        let number = |seed: usize| if seed.is_multiple_of(3) { f64::NAN } else { seed as f64 };
         let create = |index: usize| {
             let mut numbers = [0; NUMBER_COUNT].map(|_| f64::NAN);
             numbers[0] = (index % 7) as f64;
@@ -203,8 +203,8 @@ mod tests {
             for (index, point) in points.iter().enumerate() {
                 assert_eq!(bits(&point), bits(&expected[index]));
                 assert_eq!(point.status, expected[index].status);
-                for other in 0..20 {
-                    let is_same = point.has_verdict_of(&expected[other]);
+                for (other, beside) in expected.iter().enumerate() {
+                    let is_same = point.has_verdict_of(beside);
                     assert_eq!(points.have_same_verdict(index, other), is_same);
                 }
             }
