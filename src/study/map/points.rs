@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Quantity of a map point that is a number, as its place among [`MapPoint::numbers`].
+/// Quantity of a map point that is a number, as its place among `MapPoint::numbers`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapNumber {
     /// [`MapPoint::growth_order`].
@@ -45,7 +45,7 @@ pub enum MapCode {
     Hyperbolicity = 2,
 }
 
-/// Places of the codes among [`MapPoint::numbers`], and the difference of a code from the number there.
+/// Places of the codes among `MapPoint::numbers`, and the difference of a code from the number there.
 const CODE_NUMBERS: [(usize, i8); 3] = [(0, 0), (1, 1), (9, 1)];
 
 /// Number of numbers of a point, codes included.

@@ -38,8 +38,9 @@ const PADDING_LANES: usize = 10;
 /// Memory of lists of values by cell relative to the values, by measurement: lists grow in steps.
 const LIST_EXCESS: f64 = 1.17;
 
-/// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
-const SNAPSHOT_COPIES: f64 = 4.25;
+/// Copies of a snapshot that are in memory while it is written, by measurement: the states before and after its time, and
+/// one array as it is written.
+const SNAPSHOT_COPIES: f64 = 3.45;
 
 /// Numbers per cell for the dissipation of a yielding solid, by measurement: in the solver, in the checkpoint and for
 /// output.
