@@ -146,8 +146,8 @@ impl DirectionPolynomial {
         self.largest_real_part(&self.scaled_roots(k, &[]))
     }
 
-    /// All finite roots ς, 1/s, at the wave number `k` (1/m), as [`scaled_roots`](Self::scaled_roots). The `guesses` (1/s)
-    /// are used as starting points if there is one per root.
+    /// All finite roots ς, 1/s, at the wave number `k` (1/m), by the Aberth–Ehrlich method on the exact polynomial. The
+    /// `guesses` (1/s) are used as starting points if there is one per root.
     pub fn roots(&self, k: f64, guesses: &[Complex64]) -> StackList<Complex64> {
         let convection = Complex64::new(0.0, -k * self.velocity);
         let guesses: StackList<Complex64> =
