@@ -53,6 +53,11 @@ const LONG_WAVE_STEP: f64 = 2.0;
 const LONG_WAVE: f64 = 1e-4;
 /// Number of directions of the grid.
 const DIRECTION_COUNT: usize = 48;
+/// Largest number of local maxima on the grid from which a maximum is searched.
+const MAX_STARTS: usize = 4;
+/// Least ratio of the growth rate at the nearest wave number of the grid to that of the peak 4x²/(1 + x²)² in x = k/k₀: 0.42
+/// half a step of [`LONG_WAVE_STEP`] away.
+const LEAST_SAMPLE: f64 = 0.4;
 /// Largest distance from a degenerate direction at which its layer is searched, rad: the grid of directions covers the rest.
 const MAX_LAYER_OFFSET: f64 = 0.5;
 
@@ -99,10 +104,6 @@ fn search_supremum(
     let mut log_k_grid = uniform_steps(low, LONG_WAVE.cr_ln().max(low), LONG_WAVE_STEP);
     log_k_grid.extend(uniform_steps(LONG_WAVE.cr_ln().max(low), high, WAVE_NUMBER_STEP));
     log_k_grid.push(high);
-    // The largest growth rate on the grid, at its smallest wave number: value, log k and position.
-    let is_above = |found: f64, log_k: f64, start: &(f64, [f64; 2])| {
-        found > start.0 || found == start.0 && log_k < start.1[0]
-    };
     // Search coordinates (log k, position): the position is the direction θ, or asinh(k(θ − θ_c)) around a degenerate
     // direction θ_c.
     let mut centres = vec![None];
@@ -117,16 +118,18 @@ fn search_supremum(
                 angle + offset.clamp(-MAX_LAYER_OFFSET, MAX_LAYER_OFFSET)
             }
         };
-        let mut start = (f64::NEG_INFINITY, [low, 0.0]);
+        // By wave number, the largest growth rate over the positions: value, log k and position.
+        let mut profile: Vec<(f64, [f64; 2])> =
+            log_k_grid.iter().map(|&log_k| (f64::NEG_INFINITY, [log_k, 0.0])).collect();
         match centre {
             None => {
                 for &direction in directions {
                     let along = polynomial.along(direction);
                     let mut roots = ContinuedRoots::default();
-                    for &log_k in &log_k_grid {
-                        let found = roots.continue_to(&along, wave_number(log_k));
-                        if is_above(found, log_k, &start) {
-                            start = (found, [log_k, direction]);
+                    for (greatest, [log_k, position]) in &mut profile {
+                        let found = roots.continue_to(&along, wave_number(*log_k));
+                        if found > *greatest {
+                            (*greatest, *position) = (found, direction);
                         }
                     }
                 }
@@ -134,7 +137,8 @@ fn search_supremum(
             Some(_) => {
                 // Neighbouring waves have similar roots.
                 let mut roots = StackList::new();
-                for &log_k in &log_k_grid {
+                for (greatest, [log_k, best_position]) in &mut profile {
+                    let log_k = *log_k;
                     let is_within = |position: &f64| {
                         position.cr_sinh().abs() <= MAX_LAYER_OFFSET * log_k.cr_exp()
                     };
@@ -142,24 +146,26 @@ fn search_supremum(
                         let along = polynomial.along(angle(log_k, position));
                         roots = along.scaled_roots(wave_number(log_k), &roots);
                         let found = along.largest_real_part(&roots);
-                        if is_above(found, log_k, &start) {
-                            start = (found, [log_k, position]);
+                        if found > *greatest {
+                            (*greatest, *best_position) = (found, position);
                         }
                     }
                 }
             }
         }
         let mut roots = StackList::new();
-        let value = |x: [f64; 2]| {
+        let mut value = |x: [f64; 2]| {
             let log_k = x[0].clamp(low, high);
             let along = polynomial.along(angle(log_k, x[1]));
             roots = along.scaled_roots(wave_number(log_k), &roots);
             along.largest_real_part(&roots)
         };
-        let (found, [log_k, position]) = maximise_by_simplex(value, start.1, [0.2, 0.05]);
-        let log_k = log_k.clamp(low, high);
-        if found > f64::NEG_INFINITY && best.is_none_or(|b| found > b.0) {
-            best = Some((found, log_k, angle(log_k, position)));
+        for start in starting_points(&profile) {
+            let (found, [log_k, position]) = maximise_by_simplex(&mut value, start, [0.2, 0.05]);
+            let log_k = log_k.clamp(low, high);
+            if found > f64::NEG_INFINITY && best.is_none_or(|b| found > b.0) {
+                best = Some((found, log_k, angle(log_k, position)));
+            }
         }
     }
     let (found, log_k, direction) = best?;
@@ -186,6 +192,25 @@ fn search_supremum(
         growth_rate = 0.0;
     }
     Some(Supremum { growth_rate, wave_number: location, direction: direction.rem_euclid(PI) })
+}
+
+/// Positions of the largest local maxima of a profile of values at ascending wave numbers, the largest first: between two
+/// wave numbers any of them may belong to the largest peak.
+fn starting_points(profile: &[(f64, [f64; 2])]) -> StackList<[f64; 2]> {
+    let value = |index: Option<usize>| {
+        index.and_then(|index| profile.get(index)).map_or(f64::NEG_INFINITY, |own| own.0)
+    };
+    let greatest = profile.iter().map(|own| own.0).fold(f64::NEG_INFINITY, f64::max);
+    let limit = if greatest > 0.0 { LEAST_SAMPLE * greatest } else { greatest };
+    let mut peaks: Vec<(f64, [f64; 2])> = (0..profile.len())
+        .filter(|&index| {
+            let own = profile[index].0;
+            own > value(index.checked_sub(1)) && own >= value(Some(index + 1)) && own >= limit
+        })
+        .map(|index| profile[index])
+        .collect();
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    peaks.into_iter().take(MAX_STARTS).map(|own| own.1).collect()
 }
 
 /// Divides the interval from `low` to `high` into steps of equal length, at most `step`; returns their lower ends.

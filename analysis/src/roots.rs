@@ -110,8 +110,11 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
             .map(|(i, g)| g * cr_from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
             .collect();
     }
-    if degree <= 2 {
-        let mut roots = solve(coefficients);
+    let direct = if degree <= 2 { solve(coefficients) } else { StackList::new() };
+    // Products of the coefficients may underflow or overflow.
+    let is_usable = |root: &Complex64| root.is_finite() && *root != Complex64::ZERO;
+    if degree <= 2 && direct.iter().all(is_usable) {
+        let mut roots = direct;
         if let [first, second] = &mut roots[..]
             && first == second
         {

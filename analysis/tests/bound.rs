@@ -1,9 +1,10 @@
 //! Tests of the supremum of the growth rate against the exact dispersion relation.
 
-use models::LinearisedSystem;
+use models::common::system::{HigherTerm, Unknown};
 use models::flow::Model;
 use models::flow::state::{DeformingFlow, MaterialState};
 use models::registry;
+use models::{LinearisedSystem, Rounded};
 use std::f64::consts::PI;
 use testkit::flows::FlowParameters;
 use wellposed_analysis::bound::{SUPREMUM_TOLERANCE, SupremumWaveNumber, locate_supremum};
@@ -113,4 +114,45 @@ fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
     let least = model.gradient_wave_number(&flow);
     let found = locate_supremum(&pencil, &assessment, least).unwrap();
     assert!(found.growth_rate < growth[0], "{found:?}");
+}
+
+/// Verifies that of two peaks of nearly the same height, the lower one at a wave number of the grid and the higher one far
+/// from any, the higher one is found. The growth rates of two independent equations are 4a x²/(1 + x²)² with x = k/k₀:
+/// (1 − κ²/k₀²)² ς = −4a κ²/k₀², κ = ik.
+#[test]
+fn higher_of_two_peaks_is_found() {
+    const UNKNOWNS: [Unknown; 2] = [Unknown { name: "", family: "" }; 2];
+    for exponent in [-9.0f64, -7.6, -6.3, -5.1, -3.2] {
+        for offset in [0.0f64, 0.25, 0.5, 0.75, 1.0, 1.5] {
+            let peaks = [(0.95, 1.0), (1.0, 10f64.powf(exponent) * offset.exp())];
+            let mut system = LinearisedSystem::default();
+            system.reset(&UNKNOWNS, &["", ""], [0.0; 2]);
+            for (row, (height, wave_number)) in peaks.into_iter().enumerate() {
+                let inverse_square = f64::powi(wave_number, -2);
+                let mut add = |time_power, space_powers, value| {
+                    system.higher_terms.push(HigherTerm {
+                        row,
+                        column: row,
+                        time_power,
+                        space_powers,
+                        coefficient: Rounded::from_rounded(value),
+                    });
+                };
+                add(1, [0, 0], 1.0);
+                for [first, second] in [[2, 0], [0, 2]] {
+                    add(1, [first, second], -2.0 * inverse_square);
+                    add(1, [2 * first, 2 * second], inverse_square * inverse_square);
+                    add(0, [first, second], 4.0 * height * inverse_square);
+                }
+                add(1, [2, 2], 2.0 * inverse_square * inverse_square);
+            }
+            let mut pencil = Pencil::default();
+            pencil.update(&system).unwrap();
+            let assessment = assess(&pencil);
+            assert_eq!(assessment.verdict, Verdict::WellPosed);
+            let found = locate_supremum(&pencil, &assessment, 0.0).unwrap();
+            let error = (found.growth_rate - 1.0).abs();
+            assert!(error <= SUPREMUM_TOLERANCE, "{exponent} {offset}: {found:?}");
+        }
+    }
 }

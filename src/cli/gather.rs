@@ -6,7 +6,7 @@ use super::folder::{
     snapshot_file_name, snapshot_file_names,
 };
 use super::load::print_hints;
-use super::parts::{BoxCopy, FieldParts, archive_fields};
+use super::parts::{BoxCopy, FieldParts, write_field_archive};
 use super::plot::redraw_run;
 use super::zarr_store::{list_snapshots, stage_zarr_store};
 use crate::case::Case;
@@ -197,7 +197,9 @@ impl Parts<'_> {
         let paths = self.part_paths(|rank| PartFile::Fields.name(self.case, rank));
         let parts = FieldParts::open(paths, self.grid_cells())?;
         let grid = &self.solid_run.grid;
-        publication.stage_file(FIELDS_ARCHIVE_FILE, &archive_fields(&parts, grid)?)?;
+        publication.stage_with(FIELDS_ARCHIVE_FILE, |file| {
+            write_field_archive(&parts, grid, file).map_err(io::Error::other)
+        })?;
         let joints = parts.read_joints(grid)?;
         for (name, table) in create_joint_tables(&joints, parts.time)? {
             publication.stage_file(name, &table.encode()?)?;

@@ -26,9 +26,9 @@ use super::write::{
 };
 use crate::case::Case;
 use crate::case::dynamics::SolidRun;
-use crate::cli::folder::{FIELDS_ARCHIVE_FILE, OutputError, PartFile, ResultFolder};
+use crate::cli::folder::{FIELDS_ARCHIVE_FILE, PartFile, ResultFolder};
 use crate::cli::options::{check_thread_start, create_thread_pool};
-use crate::cli::parts::{FieldParts, archive_fields};
+use crate::cli::parts::{FieldParts, write_field_archive};
 use crate::cli::ranks::{RankRecorder, WaitingClock, require_all_ranks};
 use crate::cli::{CommandError, Options, OutputFormat};
 use crate::report::run::list_drawn_quantities;
@@ -38,7 +38,7 @@ use crate::study::simulate::OutputFields;
 use crate::study::simulate::{SimulationJob, create_job};
 use dynamics::decomposition::communicator::Communicator;
 use files::lock::Lock;
-use std::io::Write;
+use std::io::{self, Write};
 use std::num::NonZero;
 use std::sync::Arc;
 
@@ -199,9 +199,9 @@ pub(super) fn execute_run(
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
     let RunContext { case, folder, pictures, .. } = run;
-    let archive = match &case.solid_run {
+    let stored_fields = match &case.solid_run {
         Some(solid_run) if !result.has_field_values && !result.is_part => {
-            Some(archive_final_fields(run, solid_run, &mut result.fields)?)
+            Some((read_drawn_fields(run, solid_run, &mut result.fields)?, &solid_run.grid))
         }
         _ => None,
     };
@@ -222,8 +222,10 @@ pub(super) fn execute_run(
                 }
             }
         }
-        if let Some(archive) = archive {
-            files.write_result(FIELDS_ARCHIVE_FILE, &archive)?;
+        if let Some((parts, grid)) = stored_fields {
+            files.write_result_with(FIELDS_ARCHIVE_FILE, &mut |file| {
+                write_field_archive(&parts, grid, file).map_err(io::Error::other)
+            })?;
         }
         // One after the other, as the announced memory assumes.
         let one_by_one =
@@ -244,17 +246,16 @@ pub(super) fn execute_run(
     result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))
 }
 
-/// Creates the archive of the final fields that a single process has written by layers, and reads those that pictures show.
-/// The file that the process has written is removed.
-fn archive_final_fields(
+/// Opens the final fields that a single process has written by layers, and reads those that pictures show. Their file is
+/// removed when the results are complete.
+fn read_drawn_fields(
     run: &RunContext,
     solid_run: &SolidRun,
     fields: &mut OutputFields,
-) -> Result<Vec<u8>, CommandError> {
+) -> Result<FieldParts, CommandError> {
     let path = run.folder.path().join(PartFile::Fields.name(run.case, 0));
     let cells = &solid_run.grid.cells;
-    let parts = FieldParts::open(vec![path.clone()], cells)?;
-    let archive = archive_fields(&parts, &solid_run.grid)?;
+    let parts = FieldParts::open(vec![path], cells)?;
     if run.pictures.has_page || !run.pictures.formats.is_empty() {
         let drawn = list_drawn_quantities(solid_run);
         for own in fields.quantities.iter_mut().filter(|own| drawn.contains(&own.name)) {
@@ -268,6 +269,5 @@ fn archive_final_fields(
             fields.region_indices = regions.iter().map(|&region| region as u16).collect();
         }
     }
-    std::fs::remove_file(&path).map_err(|error| OutputError::new(&path, error))?;
-    Ok(archive)
+    Ok(parts)
 }

@@ -196,7 +196,9 @@ impl<'r> RenderedReport<'r> {
         for (name, file) in self.tables.drain(..) {
             let (mut file, mut page_table) = (Some(file), None);
             put(name, &mut |writer| {
-                let Some(file) = file.take() else { return Ok(()) };
+                let Some(file) = file.take() else {
+                    return Err(io::Error::other("a table is written once"));
+                };
                 page_table = write_data_file(name, file, writer).map_err(io::Error::other)?;
                 Ok(())
             })?;

@@ -131,9 +131,9 @@ impl BinaryForm {
                 continue;
             }
             let angle = self.refine_bracketed_zero((left, start), (right, end));
-            let bound = self.evaluate_at_angle(angle).bound
-                / derivative.evaluate_at_angle(angle).value.abs()
-                + 4.0 * f64::EPSILON;
+            let value = self.evaluate_at_angle(angle);
+            let slope = derivative.evaluate_at_angle(angle).value.abs();
+            let bound = (value.value.abs() + value.bound) / slope + 4.0 * f64::EPSILON;
             zeros.push(FormZero { angle: angle.rem_euclid(PI), bound, has_sign_change: true });
         }
         zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));

@@ -264,7 +264,7 @@ pub(super) struct FlowEquations {
     waves: ModeWaveVectors,
     pressure_solver: PressureSolver,
     pub(super) powers: MeanPowers,
-    /// Modes of p − P₀.
+    /// Modes of p − P₀; initial guess of the next pressure solution.
     pub(super) pressure: Vec<Complex64>,
     /// Buffers for the modes of fields that are transformed.
     mode_buffers: [Vec<Complex64>; 3],
@@ -446,6 +446,8 @@ impl FlowEquations {
             pressure,
         );
         let Convergence { iterations, residual } = solved.map_err(|solved| {
+            // A failed solution may be non-finite and must not be the next initial guess.
+            pressure.fill(Complex64::ZERO);
             let (residual, count) = (solved.residual, solved.iterations);
             let description =
                 format!("no pressure: residual {residual:.1e} after {count} iterations");

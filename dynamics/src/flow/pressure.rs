@@ -26,6 +26,12 @@ const RESTART_LENGTH: usize = 30;
 /// Number of GMRES iterations from which on there is no further restart.
 const MAX_ITERATIONS: usize = 300;
 
+/// Mean square variation of (cos 2ψ, sin 2ψ) below which a flow is nearly uniform: an iteration divides the residual by at
+/// least about 100.
+const NEARLY_UNIFORM: f64 = 1e-4;
+/// Relative residual below which the estimate of the iteration may differ from the residual by rounding.
+const LEAST_ESTIMATED_RESIDUAL: f64 = 1e-11;
+
 /// Pressure equation for a given field of the stress angle ψ.
 pub(super) struct PressureEquation<'a> {
     pub(super) waves: &'a ModeWaveVectors,
@@ -105,9 +111,22 @@ impl PressureSolver {
         });
     }
 
-    /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning, from zero: close to a uniform flow
-    /// a single iteration suffices, which another initial guess, whose residual is an application of the operator, does not
-    /// improve on.
+    /// Computes `operator_result` = `right` − (1 − sin φ R) p, the residual; returns its norm.
+    fn compute_residual(
+        &mut self,
+        series: &mut FourierSeries,
+        equation: &PressureEquation,
+        right: &[Complex64],
+        p: &[Complex64],
+    ) -> f64 {
+        self.apply_operator(series, equation, |_| 1.0, p);
+        axpby(&mut self.operator_result, -1.0, right, 1.0);
+        series.mean_product(&self.operator_result, &self.operator_result).sqrt()
+    }
+
+    /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning; `p` holds the initial guess. In a
+    /// nearly uniform flow the preconditioner is nearly the inverse, and the iteration starts from zero, which saves the
+    /// residual of the guess.
     ///
     /// # Errors
     /// Iterations and residual if the tolerance is not reached or the residual is not finite.
@@ -119,11 +138,18 @@ impl PressureSolver {
         tolerance: f64,
         p: &mut [Complex64],
     ) -> Result<Convergence, Convergence> {
-        p.fill(Complex64::ZERO);
-        self.operator_result.copy_from_slice(right);
         let size = series.mean_product(right, right).sqrt();
         let residual_limit = tolerance * size;
-        let (mut iterations, mut residual) = (0, size);
+        let [mean_cos, mean_sin] = equation.mean_double_angle;
+        // The mean square of the deviation of (cos 2ψ, sin 2ψ) from its mean.
+        let variation = 1.0 - (mean_cos * mean_cos + mean_sin * mean_sin);
+        let (mut iterations, mut residual) = if variation < NEARLY_UNIFORM {
+            p.fill(Complex64::ZERO);
+            self.operator_result.copy_from_slice(right);
+            (0, size)
+        } else {
+            (0, self.compute_residual(series, equation, right, p))
+        };
         loop {
             let relative = if size > 0.0 { residual / size } else { 0.0 };
             let solved = Convergence { iterations, residual: relative };
@@ -132,11 +158,6 @@ impl PressureSolver {
             }
             if iterations >= MAX_ITERATIONS || !residual.is_finite() {
                 return Err(solved);
-            }
-            if iterations > 0 {
-                self.apply_operator(series, equation, |_| 1.0, p);
-                axpby(&mut self.operator_result, -1.0, right, 1.0);
-                residual = series.mean_product(&self.operator_result, &self.operator_result).sqrt();
             }
             // Arnoldi process; Givens rotations make the Hessenberg matrix triangular.
             let mut triangle: Vec<Vec<f64>> = Vec::new();
@@ -193,6 +214,9 @@ impl PressureSolver {
                 equation.preconditioner(wave) * sum[i]
             });
             axpby(p, 1.0, &self.operator_result, 1.0);
+            if residual > residual_limit || tolerance < LEAST_ESTIMATED_RESIDUAL {
+                residual = self.compute_residual(series, equation, right, p);
+            }
         }
     }
 

@@ -8,16 +8,17 @@ use crate::report::{ArrayData, DataArray};
 use crate::study::simulate::{FieldQuantity, OutputFields};
 use files::npz::NpzWriter;
 use std::borrow::Cow;
-use std::io::Cursor;
+use std::io::{Seek, Write};
 
-/// Creates the archive `fields.npz`, with the values of one array at a time in memory.
+/// Writes the archive `fields.npz`, with the values of one array at a time in memory.
 ///
 /// # Errors
-/// A file cannot be read or is damaged.
-pub(in crate::cli) fn archive_fields(
+/// A file cannot be read or is damaged, or the archive cannot be written.
+pub(in crate::cli) fn write_field_archive(
     parts: &FieldParts,
     grid: &SolidGrid,
-) -> Result<Vec<u8>, CommandError> {
+    file: impl Write + Seek,
+) -> Result<(), CommandError> {
     let cells = &grid.cells;
     let centres =
         |axis: usize| (0..cells[axis]).map(|index| grid.cell_centre(axis, index)).collect();
@@ -31,7 +32,7 @@ pub(in crate::cli) fn archive_fields(
         region_indices: vec![0; placeholder(parts.has_regions)],
         ..OutputFields::default()
     };
-    let mut archive = NpzWriter::new(Cursor::new(Vec::new()));
+    let mut archive = NpzWriter::new(file);
     for array in create_field_arrays(Cow::Owned(description)) {
         let is_quantity = parts.names.iter().any(|name| *name == array.name);
         let values = match array.name.as_ref() {
@@ -43,5 +44,6 @@ pub(in crate::cli) fn archive_fields(
         };
         DataArray { values, ..array }.add_to(&mut archive)?;
     }
-    Ok(archive.finish().map_err(crate::Error::from)?.into_inner())
+    archive.finish().map_err(crate::Error::from)?;
+    Ok(())
 }

@@ -5,7 +5,7 @@ mod boxes;
 mod fields;
 mod state;
 
-pub(super) use archive::archive_fields;
+pub(super) use archive::write_field_archive;
 pub(super) use boxes::{BoxCopy, count_cells};
 pub(super) use fields::{FieldParts, write_fields, write_joints};
 pub(super) use state::{StateFile, read_state_sections};

@@ -44,6 +44,8 @@ impl<T: Real> LineField<T> {
 
 /// Fields of a pair of waves in a line of groups.
 struct PairFields<T: Real, const PASSIVE: usize> {
+    /// First field of the groups.
+    first: LineField<T>,
     velocity: LineField<T>,
     stress: LineField<T>,
     passive_stresses: [LineField<T>; PASSIVE],
@@ -112,6 +114,7 @@ impl<T: Real> SweepLines<'_, T> {
     ) -> PairFields<T, PASSIVE> {
         let line = self.field_data.as_mut_ptr().wrapping_add(offset);
         PairFields {
+            first: LineField(line),
             velocity: LineField(line.wrapping_add(offsets.velocity)),
             stress: LineField(line.wrapping_add(offsets.stress)),
             passive_stresses: offsets
@@ -156,8 +159,6 @@ impl<T: Real> SweepLines<'_, T> {
             let slot = line * self.waves.len() + index;
             let offset = line * self.line_stride.start;
             let fields = self.pair_fields_unchecked(offset, &offsets);
-            let line_groups: LineField<T> =
-                LineField(self.field_data.as_mut_ptr().wrapping_add(offset));
             self.prefetch_line_start(slot, &fields);
             let carried = match self.is_line_start {
                 true => CarriedState::new(),
@@ -178,7 +179,7 @@ impl<T: Real> SweepLines<'_, T> {
                 }
                 let mut field = offsets.prefetch_l2_offsets.start;
                 while field < offsets.prefetch_l2_offsets.end {
-                    line_groups.prefetch(next.start + field, false);
+                    fields.first.prefetch(next.start + field, false);
                     field += pitch;
                 }
                 // SAFETY: as above.
