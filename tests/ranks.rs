@@ -516,7 +516,7 @@ fn write_limited_program(folder: &Path, limit: usize) -> PathBuf {
 #[ignore = "large grids under a limit that MPI libraries nearly exhaust; part of .ci/long"]
 fn a_rank_without_memory_ends_the_others() {
     for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
-        let folder = create_case_folder(TEST_FOLDER, &format!("without-memory{index}"), JOINT_CASE);
+        let folder = create_case_folder(TEST_FOLDER, &format!("limited{index}"), JOINT_CASE);
         let limited = write_limited_program(&folder, 400_000);
         let limited = limited.to_str().expect("text");
         let blocks = "--set block[0].repeat=[320,200] --set time.duration=1e-6";

@@ -289,7 +289,7 @@ fn assess_points(
         distribution.exchange(&mut block, MapPoint::numbers, MapPoint::from_numbers);
         for (offset, point) in block.iter().enumerate() {
             let [x, y] = grid_indices(start + offset);
-            points.set(y * nx + x, point);
+            points.set(y * nx + x, point)?;
         }
     }
     // A map may extend outside the range of the model; only a map that is entirely outside is an error.

@@ -60,20 +60,22 @@ pub struct MapPoints {
     numbers: [Arc<Vec<f64>>; NUMBER_COUNT],
 }
 
+/// Creates a list of `count` equal numbers.
+fn create_list<N: Clone>(count: usize, number: N) -> Result<Vec<N>, Error> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(|_| Error::Memory { points: count })?;
+    list.resize(count, number);
+    Ok(list)
+}
+
 impl MapPoints {
     /// Creates `count` points outside the range of the model.
     ///
     /// # Errors
     /// [`Error::Memory`].
     pub(super) fn new(count: usize) -> Result<Self, Error> {
-        let create = |code: i8| {
-            let mut list = Vec::new();
-            list.try_reserve_exact(count).map_err(|_| Error::Memory { points: count })?;
-            list.resize(count, code);
-            Ok::<_, Error>(list)
-        };
-        let outside = create(PointStatus::OutsideModel as i8)?;
-        let codes = [outside, create(0)?, create(0)?];
+        let outside = create_list(count, PointStatus::OutsideModel as i8)?;
+        let codes = [outside, create_list(count, 0)?, create_list(count, 0)?];
         Ok(Self { count, codes, numbers: Default::default() })
     }
 
@@ -107,7 +109,10 @@ impl MapPoints {
     }
 
     /// Sets the results at a point.
-    pub(super) fn set(&mut self, index: usize, point: &MapPoint) {
+    ///
+    /// # Errors
+    /// [`Error::Memory`], for a number that no point had so far.
+    pub(super) fn set(&mut self, index: usize, point: &MapPoint) -> Result<(), Error> {
         let numbers = point.numbers();
         for (list, (place, offset)) in self.codes.iter_mut().zip(CODE_NUMBERS) {
             let number = numbers[place];
@@ -120,9 +125,12 @@ impl MapPoints {
                 continue;
             }
             let list = Arc::make_mut(list);
-            list.resize(self.count, f64::NAN);
+            if list.is_empty() {
+                *list = create_list(self.count, f64::NAN)?;
+            }
             list[index] = number;
         }
+        Ok(())
     }
 
     /// Returns a number of a point; NaN if the point does not have it.
@@ -198,7 +206,7 @@ mod tests {
         let expected: Vec<MapPoint> = (0..20).map(create).collect();
         for order in [Vec::from_iter(0..20), (0..20).rev().collect()] {
             let mut points = MapPoints::new(20).unwrap();
-            order.into_iter().for_each(|index| points.set(index, &expected[index]));
+            order.into_iter().for_each(|index| points.set(index, &expected[index]).unwrap());
             let bits = |point: &MapPoint| point.numbers().map(f64::to_bits);
             for (index, point) in points.iter().enumerate() {
                 assert_eq!(bits(&point), bits(&expected[index]));

@@ -53,9 +53,10 @@ const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 impl SolidJob<'_> {
     /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
-    /// values, of joints, and of the copies of the fields for a checkpoint or for a snapshot, whichever is larger; plus all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger,
-    /// since pictures are drawn when the solver has been dropped. Freed copies stay with the allocator, so that they
-    /// count in both cases. Of several ranks each has a share of all but the program and the boundaries: `own_share` of the
+    /// values, of joints, and of the copies of the fields for a checkpoint or for a snapshot, whichever is larger; plus all
+    /// snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger, since pictures are drawn
+    /// when the solver has been dropped. Freed copies stay with the allocator, so that they count in both cases. Of several
+    /// ranks each has a share of all but the program and the boundaries: `own_share` of the
     /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
     pub(in crate::study::simulate) fn estimate_memory(
         &self,
