@@ -183,6 +183,7 @@ fn check_without_progress_prints_lines() {
 
 /// Verifies that the memory per point of a map, its output included, is the announced one.
 #[test]
+#[ignore = "peaks depend on the pages of the system: cargo test --release --test suite limits:: -- --ignored"]
 fn memory_of_maps_is_announced() {
     let here = create_case_folder(TEST_FOLDER, "map-memory", "");
     let measure = |points: [usize; 2]| {
