@@ -1,7 +1,8 @@
 //! The supremum of the growth rate over wave numbers and directions, where it is finite.
 //!
 //! The supremum is located numerically: on a grid in log k and direction, with further points near degenerate
-//! directions θ_c in the stretched coordinate asinh(k(θ − θ_c)), then by a simplex search (Nelder & Mead 1965).
+//! directions θ_c in the stretched coordinate asinh(k(θ − θ_c)), then by simplex searches (Nelder & Mead 1965) from the largest
+//! local maxima over the wave numbers of the grid.
 
 use crate::direction_polynomial::DirectionPolynomial;
 use crate::growth::{Assessment, Verdict};
@@ -35,6 +36,9 @@ pub enum SupremumWaveNumber {
 
 /// Relative tolerance to which the supremum is located.
 pub const SUPREMUM_TOLERANCE: f64 = 1e-5;
+
+/// Relative difference of the values of a small simplex at which its search ends.
+const VALUE_SPREAD: f64 = 1e-6 * SUPREMUM_TOLERANCE;
 
 /// Upper end of the searched wave numbers, in the scaled unit of the system. At larger wave numbers the rounding error
 /// of the coefficients, times k², would appear as growth.
@@ -266,8 +270,10 @@ fn maximise_by_simplex(
     for _ in 0..200 {
         s.sort_by(|a, b| b.0.total_cmp(&a.0));
         let spread = (s[0].1[0] - s[2].1[0]).root_sum_square(s[0].1[1] - s[2].1[1]);
-        let gain = s[0].0 - s[2].0;
-        if spread < 1e-9 || spread < 1e-3 && gain <= 1e-6 * SUPREMUM_TOLERANCE * s[0].0.abs() {
+        // Next to a maximum values differ by the square of the distance: this difference, far below the tolerance of the
+        // supremum, also bounds the distance of the maximum.
+        let is_flat = s[0].0 - s[2].0 <= VALUE_SPREAD * s[0].0.abs();
+        if spread < 1e-9 || spread < 1e-3 && is_flat {
             break;
         }
         let centre = [0, 1].map(|i| 0.5 * (s[0].1[i] + s[1].1[i]));

@@ -96,8 +96,8 @@ fn evaluate_with_derivative(coefficients: &[Complex64], x: Complex64) -> (Comple
     (value, slope)
 }
 
-/// Starting points: the `guesses`, slightly perturbed, if there is one per root and all are finite; else the roots in
-/// working precision up to degree two, points for higher degrees on
+/// Starting points: the `guesses`, slightly perturbed, if there is one per root and all are finite; else, up to degree two,
+/// the roots in working precision, unless products of the coefficients underflow or overflow; else points on
 /// circles whose logarithmic radii are the negative slopes of the Newton polygon of the logarithms of the moduli.
 fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackList<Complex64> {
     let degree = coefficients.len() - 1;
@@ -110,18 +110,17 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackLi
             .map(|(i, g)| g * cr_from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
             .collect();
     }
-    let direct = if degree <= 2 { solve(coefficients) } else { StackList::new() };
-    // Products of the coefficients may underflow or overflow.
-    let is_usable = |root: &Complex64| root.is_finite() && *root != Complex64::ZERO;
-    if degree <= 2 && direct.iter().all(is_usable) {
-        let mut roots = direct;
+    if degree <= 2 {
+        let mut roots = solve(coefficients);
         if let [first, second] = &mut roots[..]
             && first == second
         {
             // Equal starting points do not separate.
             *second *= 1.0 + 1e-9;
         }
-        return roots;
+        if roots.iter().all(|root| root.is_finite() && *root != Complex64::ZERO) {
+            return roots;
+        }
     }
     let logarithms: StackList<f64> =
         coefficients.iter().map(|c| c.modulus().max(f64::MIN_POSITIVE).cr_log2()).collect();

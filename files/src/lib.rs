@@ -20,7 +20,7 @@ pub mod table_appender;
 pub mod vti;
 pub mod zarr;
 
-/// Writer at whose earlier bytes can be written again, such as a file.
+/// Writer that can seek, such as a file: earlier bytes can be overwritten.
 pub trait SeekableWriter: std::io::Write + std::io::Seek {}
 
 impl<W: std::io::Write + std::io::Seek> SeekableWriter for W {}

@@ -53,8 +53,8 @@ impl FileDigest {
     }
 }
 
-/// Writer that computes length and checksum of what is written. If earlier bytes are overwritten, all are read again in
-/// the end.
+/// Writer that computes the length and the checksum of the bytes it writes. If bytes are overwritten, it computes the
+/// checksum from the finished file instead.
 pub struct DigestWriter<W> {
     writer: W,
     hasher: Hasher,

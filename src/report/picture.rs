@@ -164,8 +164,8 @@ fn draw_concurrently(
 mod tests {
     use super::*;
 
-    /// Files come in the same order with the same bytes, whatever the number of threads; what is not asked for is not
-    /// drawn.
+    /// Verifies that order and bytes of the files do not depend on the number of threads, and that only the requested
+    /// formats are drawn.
     #[test]
     fn pictures_do_not_depend_on_threads() {
         let count = std::sync::Arc::new(AtomicUsize::new(0));

@@ -435,11 +435,7 @@ impl<T: Real> SweepLines<'_, T> {
                 place += 1;
             }
             if let Some(rows) = &self.rows {
-                rows.clear_padding(self.field_data, offsets.velocity, line);
-                rows.clear_padding(self.field_data, offsets.stress, line);
-                for place in offsets.passive_stresses.into_iter().take(offsets.passive_count) {
-                    rows.clear_padding(self.field_data, place, line);
-                }
+                offsets.clear_padding(rows, self.field_data, line);
             } else {
                 stencil_state.carried.store(&mut self.carried[slot]);
             }

@@ -1,6 +1,6 @@
 //! Fields of a pair of waves in the groups of a line.
 
-use super::prefetch;
+use super::{Rows, prefetch};
 use crate::simd::{Real, Vector};
 use crate::solid::riemann::State;
 use std::ops::Range;
@@ -16,6 +16,23 @@ pub(super) struct FieldOffsets<const PASSIVE: usize> {
     pub(super) extent: usize,
     /// Range of the offsets that are prefetched into L2, prefetch distance included: one group at each pitch.
     pub(super) prefetch_l2_offsets: Range<usize>,
+}
+
+impl<const PASSIVE: usize> FieldOffsets<PASSIVE> {
+    /// Sets the padding lanes of the fields of a row to zero.
+    #[inline(always)]
+    pub(super) fn clear_padding<T: Real>(
+        &self,
+        rows: &Rows<T>,
+        field_data: &mut [T::Lanes],
+        row: usize,
+    ) {
+        rows.clear_padding(field_data, self.velocity, row);
+        rows.clear_padding(field_data, self.stress, row);
+        for field in self.passive_stresses.into_iter().take(self.passive_count) {
+            rows.clear_padding(field_data, field, row);
+        }
+    }
 }
 
 /// Loads the state of the next group of a line, and prefetches the groups that are needed soon; `l1_distance` and `pitch`:

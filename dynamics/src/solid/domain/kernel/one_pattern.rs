@@ -123,7 +123,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
-    /// Prefetches into L1 what is read at the start of a line soon.
+    /// Prefetches into L1 the carried state and the first two groups of a line that is swept soon, at the L1 prefetch distance.
     #[inline(always)]
     fn prefetch_line_start<const PASSIVE: usize>(
         &self,
@@ -202,11 +202,7 @@ impl<T: Real> SweepLines<'_, T> {
                 invariants = waves;
             }
             if let Some(rows) = &self.rows {
-                rows.clear_padding(self.field_data, offsets.velocity, line);
-                rows.clear_padding(self.field_data, offsets.stress, line);
-                for field in offsets.passive_stresses {
-                    rows.clear_padding(self.field_data, field, line);
-                }
+                offsets.clear_padding(rows, self.field_data, line);
             } else {
                 carried.store(&mut self.carried[slot]);
             }

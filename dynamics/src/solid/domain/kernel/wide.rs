@@ -114,11 +114,7 @@ impl<T: Real> SweepLines<'_, T> {
                 window.copy_within(count..count + W - 1, 0);
             }
             if let Some(rows) = &self.rows {
-                rows.clear_padding(self.field_data, offsets.velocity, line);
-                rows.clear_padding(self.field_data, offsets.stress, line);
-                for field in offsets.passive_stresses {
-                    rows.clear_padding(self.field_data, field, line);
-                }
+                offsets.clear_padding(rows, self.field_data, line);
             } else {
                 let carried = self.carried[slot..][..half - 1].iter_mut();
                 for (&carried_invariants, target) in window.iter().zip(carried) {
