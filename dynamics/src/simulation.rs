@@ -25,16 +25,19 @@ mod time_steps;
 pub use crate::solid::snapshot::StatePart;
 pub use flow::{FlowAccount, FlowFields, FlowSimulation};
 pub use regular_times::RegularTimes;
-pub use solid::{SolidAccount, SolidFault, SolidFields, SolidSimulation};
+pub use solid::{SolidAccount, SolidFault, SolidFields, SolidSimulation, StepFraction};
 pub use solver::SolverChoice;
 pub use time_steps::{StepLimit, TimeSteps, TooManySteps};
 
 use crate::decomposition::ThreadStartError;
+use std::borrow::Cow;
+use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
+use std::io;
 
 /// State of a simulation, or of the part of it that a rank holds, sufficient to continue it bit for bit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulationState {
     /// Number of steps done since time 0.
     pub steps: usize,
@@ -55,11 +58,69 @@ impl SimulationState {
 }
 
 /// Gives sections the names `name` followed by 0, 1, …
-fn number_sections(
+fn number_sections<C>(
     name: &str,
-    sections: impl Iterator<Item = Vec<u8>>,
-) -> impl Iterator<Item = (String, Vec<u8>)> {
+    sections: impl Iterator<Item = C>,
+) -> impl Iterator<Item = (String, C)> {
     sections.enumerate().map(move |(index, own)| (format!("{name}{index}"), own))
+}
+
+/// State that is read section by section, so that values of many cells need not be in memory twice.
+pub trait StateSource {
+    /// Returns the state without the sections of [`cell_sections`](Self::cell_sections). All ranks call it.
+    fn state_without_cells(&self) -> SimulationState;
+
+    /// Returns names and lengths, bytes, of the sections with values by cell of this process; none by default (flows).
+    fn cell_sections(&self) -> Vec<(String, usize)> {
+        Vec::new()
+    }
+
+    /// Passes the content of a section with values by cell to `append` in pieces; nothing if there is no such section.
+    ///
+    /// # Errors
+    /// The first error of `append`.
+    fn read_cell_section(
+        &self,
+        name: &str,
+        append: &mut dyn FnMut(&[u8]) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let _ = (name, append);
+        Ok(())
+    }
+
+    /// Returns the whole state.
+    fn state(&self) -> SimulationState {
+        let mut state = self.state_without_cells();
+        for (name, length) in self.cell_sections() {
+            let mut content = Vec::with_capacity(length);
+            let read = self.read_cell_section(&name, &mut |piece| {
+                content.extend_from_slice(piece);
+                Ok(())
+            });
+            debug_assert!(read.is_ok(), "a list takes all pieces");
+            state.sections.insert(name, content);
+        }
+        state
+    }
+}
+
+/// Sections with values by cell of a saved state, which are read one by one.
+pub trait CellSections {
+    /// Returns the length of a section, bytes; `None` if there is no such section.
+    fn length(&self, name: &str) -> Option<usize>;
+
+    /// Reads a section; `None` if it cannot be read.
+    fn read(&mut self, name: &str) -> Option<Cow<'_, [u8]>>;
+}
+
+impl CellSections for &SimulationState {
+    fn length(&self, name: &str) -> Option<usize> {
+        self.sections.get(name).map(Vec::len)
+    }
+
+    fn read(&mut self, name: &str) -> Option<Cow<'_, [u8]>> {
+        self.sections.get(name).map(Cow::from)
+    }
 }
 
 /// Encodes `f64` values as little-endian bytes.
@@ -98,10 +159,11 @@ impl<E> From<ThreadStartError> for RunError<E> {
 }
 
 /// Time-domain simulation: a state that is advanced step by step, and its output.
-pub trait Simulation {
+pub trait Simulation: StateSource {
     /// Energies of a state and the work and dissipation of the steps so far.
     type Account: Clone;
-    /// Output fields of a state.
+    /// Output fields at a time; of solids, whose fields are read from the simulation by layers, the
+    /// [fraction of the step](StepFraction).
     type Fields;
     /// Reason why the simulation cannot continue.
     type Fault;
@@ -135,17 +197,19 @@ pub trait Simulation {
     fn advance(&mut self, due: f64) -> Result<(), AdvanceError<Self::Fault>>;
 
     /// Returns to the last sound state after a fault, and returns the fault of the state that follows it. If steps must
-    /// be repeated, `before_batch` is called before each batch of them.
+    /// be repeated, `restore_saved` restores a saved state, if there is one, and `before_batch` is called before each batch
+    /// of steps.
     ///
     /// # Errors
-    /// The first error of `before_batch`, or the threads of the solver cannot be started; the simulation is unusable
-    /// afterwards.
+    /// The first error of `restore_saved` and `before_batch`, or the threads of the solver cannot be started; the
+    /// simulation is unusable afterwards.
     fn recover<E: From<ThreadStartError>>(
         &mut self,
         fault: Self::Fault,
+        restore_saved: impl FnOnce(&mut Self) -> Result<bool, E>,
         before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<Self::Fault, E> {
-        let _ = before_batch;
+        let _ = (restore_saved, before_batch);
         Ok(fault)
     }
 
@@ -171,14 +235,18 @@ pub trait Simulation {
     /// Returns the output fields of the present state.
     fn fields(&self) -> Self::Fields;
 
+    /// Whether output fields at `time`, s, lie within the next step and are interpolated from those of the present state,
+    /// which the observer must keep until then. Default (flows): no.
+    fn interpolates_from_present(&self, time: f64) -> bool {
+        let _ = time;
+        false
+    }
+
     /// Returns the output fields at `time`, s, which the last [`advance`](Self::advance) reached or passed.
     ///
     /// # Errors
     /// There is no sound state at that time.
     fn fields_at(&self, time: f64) -> Result<Self::Fields, Self::Fault>;
-
-    /// Returns the state for a checkpoint.
-    fn state(&self) -> SimulationState;
 
     /// Returns which part of the state this process holds; `None` (flows) if there are no parts.
     fn state_part(&self) -> Option<StatePart> {
@@ -186,7 +254,14 @@ pub trait Simulation {
     }
 
     /// Restores a state without recording it; `false` if it belongs to another problem.
-    fn restore(&mut self, state: &SimulationState) -> bool;
+    fn restore(&mut self, state: &SimulationState) -> bool {
+        self.restore_with_cells(state, &mut &*state)
+    }
+
+    /// Restores a state, whose sections with values by cell are `cells`, as [`restore`](Self::restore) does. All ranks call
+    /// it. If a section cannot be read, it returns `false`, and the simulation is unusable.
+    fn restore_with_cells(&mut self, state: &SimulationState, cells: &mut dyn CellSections)
+    -> bool;
 }
 
 /// Receiver of the output of a simulation.
@@ -205,6 +280,16 @@ pub trait Observer<S: Simulation> {
     /// # Errors
     /// The account cannot be written.
     fn on_account(&mut self, account: &S::Account) -> Result<(), Self::Error>;
+
+    /// Receives a state whose fields a snapshot within the next step needs, see
+    /// [`Simulation::interpolates_from_present`].
+    ///
+    /// # Errors
+    /// The fields cannot be kept.
+    fn on_state_before_snapshot(&mut self, simulation: &S) -> Result<(), Self::Error> {
+        let _ = simulation;
+        Ok(())
+    }
 
     /// Receives a snapshot that is due.
     ///
@@ -225,7 +310,18 @@ pub trait Observer<S: Simulation> {
         Ok(())
     }
 
-    /// Called between batches of steps after all output that is due: the [`state`](Simulation::state) can be saved as a
+    /// Restores the last state that has been saved in [`on_steps_done`](Self::on_steps_done) or from which the run was
+    /// resumed; `false` if there is none. Steps since then are repeated to find the last sound state before a fault, else
+    /// all steps.
+    ///
+    /// # Errors
+    /// The state cannot be read.
+    fn restore_saved(&mut self, simulation: &mut S) -> Result<bool, Self::Error> {
+        let _ = simulation;
+        Ok(false)
+    }
+
+    /// Called between batches of steps after all output that is due: the [state](StateSource) can be saved as a
     /// checkpoint. `last` is the last account delivered.
     ///
     /// # Errors
@@ -342,14 +438,26 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
     fn run_steps(&mut self) -> DriverResult<S, O> {
         while !self.simulation.is_finished() {
             let due = self.next_output_time();
+            if self
+                .next_snapshot_time()
+                .is_some_and(|own| self.simulation.interpolates_from_present(own))
+            {
+                self.observer
+                    .on_state_before_snapshot(self.simulation)
+                    .map_err(EarlyEndCause::from_observer)?;
+            }
             match self.simulation.advance(due) {
                 Ok(()) => {}
                 Err(AdvanceError::Threads(error)) => return Err(EarlyEndCause::Run(error.into())),
                 Err(AdvanceError::Fault(fault)) => {
-                    let before_batch = || self.observer.on_replay().map_err(RunError::Observer);
-                    let found =
-                        self.simulation.recover(fault, before_batch).map_err(EarlyEndCause::Run)?;
-                    return Err(EarlyEndCause::Fault(found));
+                    let observer = RefCell::new(&mut *self.observer);
+                    let restore_saved = |simulation: &mut S| {
+                        observer.borrow_mut().restore_saved(simulation).map_err(RunError::Observer)
+                    };
+                    let before_batch =
+                        || observer.borrow_mut().on_replay().map_err(RunError::Observer);
+                    let found = self.simulation.recover(fault, restore_saved, before_batch);
+                    return Err(found.map_or_else(EarlyEndCause::Run, EarlyEndCause::Fault));
                 }
             }
             self.deliver_due_output()?;
@@ -363,8 +471,12 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
     /// Returns the next time at which an account or a snapshot is due, s; infinity if none is.
     fn next_output_time(&self) -> f64 {
         let account = self.output.accounts.time(self.account_count);
-        let snapshot = self.output.snapshots.and_then(|own| own.time(self.snapshot_count));
-        account.into_iter().chain(snapshot).fold(f64::INFINITY, f64::min)
+        account.into_iter().chain(self.next_snapshot_time()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns the next time at which a snapshot is due, s.
+    fn next_snapshot_time(&self) -> Option<f64> {
+        self.output.snapshots.and_then(|own| own.time(self.snapshot_count))
     }
 
     /// Delivers all records, and the accounts and snapshots that are due.

@@ -25,6 +25,13 @@ pub trait SeekableWriter: std::io::Write + std::io::Seek {}
 
 impl<W: std::io::Write + std::io::Seek> SeekableWriter for W {}
 
+/// Returns the bytes of numbers in little-endian order.
+pub fn encode_numbers(numbers: &[f64]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(size_of_val(numbers));
+    numbers.iter().for_each(|number| bytes.extend_from_slice(&number.to_le_bytes()));
+    bytes
+}
+
 /// CRC-32 checksum as in zlib; detects accidental but not intentional damage.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)

@@ -13,10 +13,10 @@ use crate::case::Case;
 use crate::case::dynamics::SolidRun;
 use crate::cli::CommandError;
 use crate::cli::folder::JOINT_SNAPSHOT_LIST_FILE;
-use crate::report::PictureOptions;
 use crate::report::run::{
     create_empty_image, create_joint_lines, create_joint_tables, snapshot_storage,
 };
+use crate::report::{PictureOptions, WriteContent};
 use files::read_regular_file;
 use files::vti::{ArrayDeclaration, format_collection, list_arrays, parse_index, read_array_bytes};
 use std::io::{self, Write};
@@ -86,19 +86,11 @@ pub(super) trait JoinedFiles {
     ///
     /// # Errors
     /// The file cannot be written.
-    fn put(
-        &mut self,
-        name: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<(), OutputError>;
+    fn put(&mut self, name: &str, write: &mut WriteContent) -> Result<(), OutputError>;
 }
 
 impl JoinedFiles for Publication<'_> {
-    fn put(
-        &mut self,
-        name: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<(), OutputError> {
+    fn put(&mut self, name: &str, write: &mut WriteContent) -> Result<(), OutputError> {
         self.stage_with(name, |file| write(file))
     }
 }
@@ -178,7 +170,13 @@ impl Parts<'_> {
             Ok(joined)
         };
         joined.put(&snapshot_file_name(self.case, index), &mut |file| {
-            image().map_err(io::Error::other)?.write_with_arrays(&arrays, file, fetch)
+            let image = image().map_err(io::Error::other)?;
+            image.write_in_pieces(&arrays, file, self.folder, |pieces| {
+                arrays
+                    .iter()
+                    .enumerate()
+                    .try_for_each(|(index, array)| pieces.append(index, &fetch(array)?))
+            })
         })?;
         if has_joint_files(self.case) {
             let paths =

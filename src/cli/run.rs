@@ -14,7 +14,7 @@ mod recorder;
 mod run_files;
 
 pub(super) use animation::{AnimationOutput, draw_animation};
-pub(super) use checkpoint::{Checkpoint, create_part_sections};
+pub(super) use checkpoint::{Checkpoint, OpenedState, create_part_sections};
 pub(super) use page::create_page_section;
 pub(super) use recorder::FileRecorder;
 pub(super) use run_files::read_records;

@@ -19,8 +19,8 @@ pub(super) use display::axis_label;
 pub use joints::{JointLineScale, create_joint_lines, read_joints};
 pub(super) use polar::PolarRaster;
 pub use snapshot::{
-    create_empty_image, create_image, create_image_piece, read_snapshot, snapshot_storage,
-    write_image,
+    create_empty_image, create_image, format_image_index, read_snapshot, snapshot_storage,
+    whole_image, write_image,
 };
 pub use solid::list_drawn_quantities;
 

@@ -16,14 +16,15 @@ mod run_result;
 mod solid;
 mod split;
 mod stop;
+mod stored_fields;
 
 pub use super::available_memory::Bytes;
 pub use cost::{Cost, CostAmount, CostExcess};
 pub use joint::{FaceRecord, JOINT_QUANTITIES, JointFace, JointQuantity, JointSummary};
 pub use plan::{ProblemSize, SimulationPlan, SimulationWarning};
 pub use recorder::{
-    FieldSource, OutputPart, Recorder, RunProgress, StepStatistics, TableHeader, TableKind,
-    column_unit,
+    FieldSource, OutputPart, Recorder, RestoreState, RunProgress, SavedState, StepStatistics,
+    TableHeader, TableKind, column_unit,
 };
 pub use run_result::{
     FieldQuantity, FinalLedger, OutputFields, RecordColumn, RecordTable, RunReceiver, RunRecords,

@@ -5,7 +5,7 @@ use crate::simd::Real;
 /// Appends numbers without their count.
 pub(super) fn append_numbers<T: Real>(message: &mut Vec<u8>, numbers: &[T]) {
     message.reserve(size_of_val(numbers));
-    numbers.iter().for_each(|number| message.extend(number.to_bytes()));
+    numbers.iter().for_each(|number| number.append_bytes(message));
 }
 
 /// Appends a list of numbers.

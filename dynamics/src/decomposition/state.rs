@@ -4,19 +4,28 @@ use super::{DecomposedDomain, Subdomain};
 use crate::solid::domain::SolverReal;
 use crate::solid::ledger::{Sums as _, WorkSums};
 use crate::solid::region::Region;
-use crate::solid::snapshot::Snapshot;
+use crate::solid::snapshot::{Snapshot, StateLists};
 use models::solid::waves::SolidField;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns the state for a checkpoint.
     pub fn snapshot(&self) -> Snapshot<T> {
-        let fields = self.fields().to_vec();
+        let [fields, sums] = self.list_lengths();
+        Snapshot {
+            fields: (0..fields.len()).map(|index| self.field_list(index)).collect(),
+            cell_sums: (0..sums.len()).map(|index| self.sum_list(index)).collect(),
+            ..self.snapshot_without_lists()
+        }
+    }
+
+    /// Returns the state without values by cell. All ranks call it.
+    pub(crate) fn snapshot_without_lists(&self) -> Snapshot<T> {
         Snapshot {
             steps: self.subdomains.first().map_or(0, |subdomain| subdomain.domain.steps()),
-            fields: fields.into_iter().filter_map(|field| self.permuted_values(field)).collect(),
+            fields: Vec::new(),
             work_sums: self.work_sums().to_partial_sums(),
-            cell_sums: self.cell_sums(),
+            cell_sums: Vec::new(),
             interlayer_history: self.interlayer_history(),
         }
     }
@@ -30,57 +39,78 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns to the state of rest before the first step.
     pub(crate) fn reset(&mut self) {
+        let [_, sums] = self.list_lengths();
         for subdomain in &mut self.subdomains {
             subdomain.domain.clear();
             subdomain.domain.restore_work(0, WorkSums::default());
-            let mut sums = subdomain.domain.cell_sums();
-            sums.iter_mut().for_each(|own| own.fill(0.0));
-            subdomain.domain.set_cell_sums(&sums);
+            for (index, length) in sums.iter().enumerate() {
+                subdomain.domain.set_cell_sums(index, std::iter::repeat_n(0.0, *length));
+            }
         }
     }
 
     /// Restores a snapshot of the cells of this process; `false` if it, or that of any rank, belongs to another problem.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
-        let cells: usize = self.own_cells.iter().map(ExactSizeIterator::len).product();
-        let fields = self.fields().to_vec();
+        self.restore_lists(snapshot, &mut &*snapshot)
+    }
+
+    /// Restores a state of the cells of this process, whose lists by cell are `lists`, as [`restore`](Self::restore) does. If a
+    /// rank cannot read a list, other lists may have been restored.
+    pub(crate) fn restore_lists(
+        &mut self,
+        state: &Snapshot<T>,
+        lists: &mut dyn StateLists<T>,
+    ) -> bool {
         let history_length: usize = self.own_interlayers().iter().map(|own| own.1).sum();
-        let fits = snapshot.fields.len() == fields.len()
-            && snapshot.fields.iter().all(|values| values.len() == cells)
-            && snapshot.cell_sums.iter().map(Vec::len).eq(self.cell_sums().iter().map(Vec::len))
-            && snapshot.interlayer_history.len() == history_length;
-        let odd = (!fits).then_some([0, 0]);
-        if self.ranks.as_ref().map_or(odd, |ranks| ranks.find_least(odd)).is_some() {
+        let [fields, sums] = self.list_lengths();
+        let fits = lists.lengths() == [fields, sums.clone()]
+            && state.interlayer_history.len() == history_length;
+        if !self.is_true_on_all_ranks(fits) {
             return false;
         }
         for subdomain in &mut self.subdomains {
             subdomain.domain.clear();
         }
-        for (field, values) in fields.into_iter().zip(&snapshot.fields) {
-            self.set_permuted_values(field, values);
+        for (index, field) in self.fields().to_vec().into_iter().enumerate() {
+            let values = lists.read_field(index);
+            if !self.is_true_on_all_ranks(values.is_some()) {
+                return false;
+            }
+            self.set_permuted_values(field, &values.unwrap_or_default());
+        }
+        for index in 0..sums.len() {
+            let values = lists.read_sums(index);
+            if !self.is_true_on_all_ranks(values.is_some()) {
+                return false;
+            }
+            self.set_sum_list(index, &values.unwrap_or_default());
         }
         // The first subdomain holds the work sums of all; those of the others are zero.
         let mut work = match self.ranks.as_ref().is_none_or(|own| own.communicator.is_root()) {
-            true => WorkSums::from_partial_sums(&snapshot.work_sums),
+            true => WorkSums::from_partial_sums(&state.work_sums),
             false => WorkSums::default(),
         };
         for subdomain in &mut self.subdomains {
-            subdomain.domain.restore_work(snapshot.steps, std::mem::take(&mut work));
+            subdomain.domain.restore_work(state.steps, std::mem::take(&mut work));
         }
-        self.set_cell_sums(&snapshot.cell_sums);
-        self.set_interlayer_history(&snapshot.interlayer_history);
+        self.set_interlayer_history(&state.interlayer_history);
         true
     }
 
-    /// Sets the sums stored per cell from those by cell of this process.
-    fn set_cell_sums(&mut self, sums: &[Vec<f64>]) {
+    /// Returns whether `own` is true on all ranks, which all call it.
+    fn is_true_on_all_ranks(&self, own: bool) -> bool {
+        let odd = (!own).then_some([0, 0]);
+        self.ranks.as_ref().map_or(odd, |ranks| ranks.find_least(odd)).is_none()
+    }
+
+    /// Sets the sums stored per cell at an index from those by cell of this process.
+    fn set_sum_list(&mut self, index: usize, values: &[f64]) {
         for Subdomain { domain, region, .. } in &mut self.subdomains {
             let owned = std::array::from_fn(|axis| region.owned_range(axis));
             let own = Region::from_box(self.cells, self.own_cells.clone());
-            let select = |values: &Vec<f64>| {
-                let cells = own.cells_in_box(&owned);
-                cells.filter_map(|[cell, _]| values.get(cell).copied()).collect()
-            };
-            domain.set_cell_sums(&sums.iter().map(select).collect::<Vec<_>>());
+            let cells = own.cells_in_box(&owned);
+            let values = cells.filter_map(|[cell, _]| values.get(cell).copied());
+            domain.set_cell_sums(index, values);
         }
     }
 

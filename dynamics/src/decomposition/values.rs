@@ -39,14 +39,31 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.permutation.restrict_to_box(&self.own_cells)
     }
 
-    /// Returns the sums stored per cell, by kind of sum (see [`Domain::cell_sums`]) and cell of this process.
-    pub(super) fn cell_sums(&self) -> Vec<Vec<f64>> {
-        let by_subdomain: Vec<_> =
-            self.subdomains.iter().map(|subdomain| subdomain.domain.cell_sums()).collect();
-        let kinds = by_subdomain.first().map_or(0, Vec::len);
-        (0..kinds)
-            .map(|kind| self.join_values(by_subdomain.iter().map(|sums| sums[kind].clone())))
-            .collect()
+    /// Returns the number of cells of this process.
+    pub(super) fn own_cell_count(&self) -> usize {
+        self.own_cells.iter().map(ExactSizeIterator::len).product()
+    }
+
+    /// Returns the lengths of the lists by cell of a state: of the fields, and of the sums.
+    pub(crate) fn list_lengths(&self) -> [Vec<usize>; 2] {
+        let cells = self.own_cell_count();
+        let sums = self.subdomains.first().map_or(Vec::new(), |Subdomain { domain, .. }| {
+            let length = |index| if domain.has_cell_sums(index) { cells } else { 0 };
+            (0..domain.cell_sum_count()).map(length).collect()
+        });
+        [vec![cells; self.fields().len()], sums]
+    }
+
+    /// Returns the sums stored by cell of this process at an index, see [`Domain::cell_sums`].
+    pub(crate) fn sum_list(&self, index: usize) -> Vec<f64> {
+        self.join_values(self.subdomains.iter().map(|own| own.domain.cell_sums(index)))
+    }
+
+    /// Returns the values of a field by cell of this process, in the order of [`Snapshot::fields`].
+    ///
+    /// [`Snapshot::fields`]: crate::solid::snapshot::Snapshot::fields
+    pub(crate) fn field_list(&self, index: usize) -> Vec<T> {
+        self.permuted_values(self.fields()[index]).unwrap_or_default()
     }
 
     /// Joins values by owned cell of the subdomains to those by cell of this process; empty if no subdomain has values.
@@ -59,6 +76,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         };
         let mut joined = by_subdomain.next().unwrap_or_default();
         if self.subdomains.iter().all(is_layer) {
+            if !joined.is_empty() {
+                joined.reserve_exact(self.own_cell_count() - joined.len());
+            }
             by_subdomain.for_each(|values| joined.extend(values));
             return joined;
         }
@@ -200,8 +220,11 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the stored values of a field by cell of this process, with permuted axes.
     pub(super) fn permuted_values(&self, field: SolidField) -> Option<Vec<T>> {
-        let by_subdomain = self.subdomains.iter().map(|subdomain| subdomain.domain.values(field));
-        let by_subdomain = by_subdomain.collect::<Option<Vec<_>>>()?;
-        Some(self.join_values(by_subdomain.into_iter()))
+        let is_present = self.fields().contains(&field);
+        // Values of one subdomain at a time are in memory besides the joined ones.
+        is_present.then(|| {
+            let values = |own: &Subdomain<T, D>| own.domain.values(field).unwrap_or_default();
+            self.join_values(self.subdomains.iter().map(values))
+        })
     }
 }

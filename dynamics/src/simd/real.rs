@@ -16,8 +16,8 @@ pub trait Real: Number + PartialOrd {
     /// Converts to double precision, exactly.
     fn to_f64(self) -> f64;
 
-    /// Returns the bytes of the number in little-endian order.
-    fn to_bytes(self) -> impl Iterator<Item = u8>;
+    /// Appends the bytes of the number in little-endian order.
+    fn append_bytes(self, bytes: &mut Vec<u8>);
 
     /// Converts little-endian bytes to numbers; `None` if their count is not a multiple of the size of a number.
     fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>>;

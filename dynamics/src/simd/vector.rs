@@ -111,8 +111,8 @@ macro_rules! impl_real {
                 self.into()
             }
 
-            fn to_bytes(self) -> impl Iterator<Item = u8> {
-                self.to_le_bytes().into_iter()
+            fn append_bytes(self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
             }
 
             fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {

@@ -5,7 +5,8 @@
 //! before the step and advanced to the output time with the same tolerance.
 
 use super::{
-    AdvanceError, RegularTimes, Simulation, SimulationState, from_bytes, number_sections, to_bytes,
+    AdvanceError, CellSections, RegularTimes, Simulation, SimulationState, StateSource, from_bytes,
+    number_sections, to_bytes,
 };
 use crate::flow::{FlowEnergy, FlowError, FlowProblem, FlowSnapshot, FlowSolver, LeftDomain};
 use std::cmp::Ordering;
@@ -205,18 +206,11 @@ impl Simulation for FlowSimulation {
         self.evaluate_at(time, collect_fields)
     }
 
-    fn state(&self) -> SimulationState {
-        let FlowSnapshot { steps, solver_arrays } = self.flow.snapshot();
-        SimulationState {
-            steps,
-            time: self.flow.time(),
-            initial_energy: self.initial_energy,
-            sections: number_sections("part", solver_arrays.iter().map(|array| to_bytes(array)))
-                .collect(),
-        }
-    }
-
-    fn restore(&mut self, state: &SimulationState) -> bool {
+    fn restore_with_cells(
+        &mut self,
+        state: &SimulationState,
+        _cells: &mut dyn CellSections,
+    ) -> bool {
         let Some(solver_arrays) =
             state.numbered_sections("part").map(from_bytes).collect::<Option<_>>()
         else {
@@ -226,5 +220,18 @@ impl Simulation for FlowSimulation {
         self.initial_energy = state.initial_energy;
         (self.snapshot_before_step, self.has_new_record) = (None, false);
         self.flow.restore(&snapshot)
+    }
+}
+
+impl StateSource for FlowSimulation {
+    fn state_without_cells(&self) -> SimulationState {
+        let FlowSnapshot { steps, solver_arrays } = self.flow.snapshot();
+        SimulationState {
+            steps,
+            time: self.flow.time(),
+            initial_energy: self.initial_energy,
+            sections: number_sections("part", solver_arrays.iter().map(|array| to_bytes(array)))
+                .collect(),
+        }
     }
 }

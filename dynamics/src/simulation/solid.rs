@@ -1,29 +1,28 @@
 //! Simulation of a solid: batches of equal steps, each followed by a check that energy and ledger are finite.
 //!
 //! If they are not, a value has become non-finite in the last batch, in a step that is not known. The simulation then
-//! returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the sound batches,
-//! and proceeds step by step to the last sound state. Fields between two steps are interpolated linearly between the
+//! returns to the last saved state (else the initial one), repeats the sound batches, and proceeds step by step to the
+//! last sound state. Fields between two steps are interpolated linearly between the
 //! states, so that stresses stay in their convex yield sets; accounts are those of the end of the step.
 //!
 //! Initial values, records and output are physical fields; in polar blocks those of the solver have a factor by layer
 //! ([`Problem::field_factor`]).
 
+mod state;
+
 use super::solver::{SolidSolver, SolverChoice};
-use super::{
-    AdvanceError, Simulation, SimulationState, TimeSteps, from_bytes, number_sections, to_bytes,
-};
+use super::{AdvanceError, CellSections, Simulation, SimulationState, TimeSteps};
 use crate::decomposition::ThreadStartError;
 use crate::solid::interlayers::InterlayerFace;
 use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::probe::Probe;
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::region::Region;
-use crate::solid::snapshot::{Snapshot, StatePart};
+use crate::solid::snapshot::StatePart;
 
 use crate::solid::domain::SolverReal;
 use models::interface::layer::FaceRecord;
 use models::solid::waves::SolidField;
-use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -73,45 +72,10 @@ pub struct SolidFields {
     pub interlayers: Vec<(InterlayerFace, FaceRecord<f64>)>,
 }
 
-impl SolidFields {
-    /// Interpolates linearly to the fields `other` of a later state, in their memory; `fraction`: fraction of the time
-    /// between the states, in \[0, 1\]. Times of first slip and of fracture are those of the later state: laws record
-    /// them at ends of steps.
-    fn interpolate(&self, mut other: Self, fraction: f64) -> Self {
-        let line = |(a, b): (&f64, &f64)| (1.0 - fraction) * a + fraction * b;
-        let field = |a: &[f64], b: &mut [f64]| {
-            a.iter().zip(b).for_each(|(before, after)| *after = line((before, after)));
-        };
-        for (before, after) in self.values.iter().zip(&mut other.values) {
-            field(before, after);
-        }
-        field(&self.plastic_dissipation, &mut other.plastic_dissipation);
-        Self {
-            interlayers: self
-                .interlayers
-                .iter()
-                .zip(&other.interlayers)
-                .map(|((_, before), (face, after))| {
-                    let state =
-                        |value: fn(&FaceRecord<f64>) -> f64| line((&value(before), &value(after)));
-                    let record = FaceRecord {
-                        slip: state(|own| own.slip),
-                        opening: state(|own| own.opening),
-                        slip_time: after.slip_time,
-                        fracture_time: after.fracture_time,
-                        normal_stress: state(|own| own.normal_stress),
-                        shear_stress: state(|own| own.shear_stress),
-                        porosity: state(|own| own.porosity),
-                        pressure: state(|own| own.pressure),
-                        fluid_velocity: state(|own| own.fluid_velocity),
-                    };
-                    (face.clone(), record)
-                })
-                .collect(),
-            ..other
-        }
-    }
-}
+/// Time of output as a fraction of the last step: fields are interpolated linearly between the states before and after
+/// the step; 1 at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepFraction(pub f64);
 
 /// A state whose energy or ledger is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,14 +104,10 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
     steps_done: usize,
     /// Account after `steps_done` steps.
     account: SolidAccount,
-    /// Output fields before the last step, if output within that step is due.
-    fields_before_step: Option<SolidFields>,
     /// Records of the watched cells that have not been delivered yet.
     records: Vec<f64>,
     /// Number of steps done in the state of the first of the records.
     first_record_step: usize,
-    /// Last saved or restored state; `None` stands for the initial one.
-    saved_snapshot: RefCell<Option<Snapshot<T>>>,
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
@@ -186,10 +146,8 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             thread_count: threads,
             steps_done: 0,
             account,
-            fields_before_step: None,
             records: Vec::new(),
             first_record_step: 0,
-            saved_snapshot: RefCell::new(None),
         };
         simulation.set_initial_values();
         simulation.account = simulation.compute_account(0);
@@ -271,6 +229,12 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         SolidFields { values, plastic_dissipation, interlayers: Vec::new() }
     }
 
+    /// Returns all output fields of the present state.
+    pub fn all_fields(&self) -> SolidFields {
+        let interlayers = self.interlayer_records();
+        SolidFields { interlayers, ..self.fields_in(0..self.own_cells[D - 1].len()) }
+    }
+
     /// Returns the faces of interlayers of this process and their states, see [`SolidFields::interlayers`].
     pub fn interlayer_records(&self) -> Vec<(InterlayerFace, FaceRecord<f64>)> {
         match self.problem.interlayers.is_empty() {
@@ -330,27 +294,26 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         SolidFault { time: self.solver.time(), location: self.solver.first_non_finite() }
     }
 
-    /// Restores the last saved state, or the initial one, and repeats the sound steps, with the same bits.
+    /// Restores the saved state, or the initial one, and repeats the sound steps, with the same bits.
     fn replay_sound_steps<E: From<ThreadStartError>>(
         &mut self,
+        restore_saved: impl FnOnce(&mut Self) -> Result<bool, E>,
         mut before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<(), E> {
-        let saved = self.saved_snapshot.take().filter(|saved| saved.steps <= self.steps_done);
-        let start = match saved {
-            Some(saved) if self.solver.restore(&saved) => saved.steps,
-            _ => {
-                self.solver.reset();
-                self.set_initial_values();
-                0
-            }
-        };
+        let (sound, account) = (self.steps_done, self.account);
+        if !(restore_saved(self)? && self.steps_done <= sound) {
+            self.solver.reset();
+            self.set_initial_values();
+            self.steps_done = 0;
+        }
         self.solver.watch_cells(&[]);
         let batch = self.batch_size();
-        for first in (start..self.steps_done).step_by(batch) {
+        for first in (self.steps_done..sound).step_by(batch) {
             before_batch()?;
-            self.solver.advance(batch.min(self.steps_done - first))?;
+            self.solver.advance(batch.min(sound - first))?;
         }
         self.solver.watch_cells(&self.watched_cells);
+        (self.steps_done, self.account) = (sound, account);
         Ok(())
     }
 
@@ -375,7 +338,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
 
 impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     type Account = SolidAccount;
-    type Fields = SolidFields;
+    type Fields = StepFraction;
     type Fault = SolidFault;
 
     fn steps(&self) -> usize {
@@ -404,9 +367,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn advance(&mut self, due: f64) -> Result<(), AdvanceError<SolidFault>> {
-        let (step, fraction) = self.time_steps.locate(due);
-        let is_between = step == self.steps_done && fraction > 0.0;
-        self.fields_before_step = is_between.then(|| self.fields());
+        let (step, _) = self.time_steps.locate(due);
         let next = step.saturating_sub(self.steps_done).max(self.time_steps.shear_interval);
         let next = next.min(self.batch_size()).min(self.time_steps.count - self.steps_done);
         self.solver.advance(next).map_err(AdvanceError::Threads)?;
@@ -422,9 +383,10 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     fn recover<E: From<ThreadStartError>>(
         &mut self,
         _fault: SolidFault,
+        restore_saved: impl FnOnce(&mut Self) -> Result<bool, E>,
         before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<SolidFault, E> {
-        self.replay_sound_steps(before_batch)?;
+        self.replay_sound_steps(restore_saved, before_batch)?;
         Ok(self.advance_to_fault()?)
     }
 
@@ -461,100 +423,29 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         Ok(self.account)
     }
 
-    fn fields(&self) -> SolidFields {
-        let interlayers = self.interlayer_records();
-        SolidFields { interlayers, ..self.fields_in(0..self.own_cells[D - 1].len()) }
+    fn fields(&self) -> StepFraction {
+        StepFraction(1.0)
     }
 
-    fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {
+    fn interpolates_from_present(&self, time: f64) -> bool {
+        let (step, fraction) = self.time_steps.locate(time);
+        step == self.steps_done && fraction > 0.0
+    }
+
+    fn fields_at(&self, time: f64) -> Result<StepFraction, SolidFault> {
         let (_, fraction) = self.time_steps.locate(time);
-        let now = self.fields();
-        Ok(match self.fields_before_step.as_ref().filter(|_| fraction > 0.0) {
-            Some(before) => before.interpolate(now, fraction),
-            None => now,
-        })
-    }
-
-    fn state(&self) -> SimulationState {
-        // Drop the previous snapshot first, to limit memory to two copies of the fields.
-        *self.saved_snapshot.borrow_mut() = None;
-        let snapshot = self.solver.snapshot();
-        let Snapshot {
-            steps,
-            fields,
-            work_sums: work,
-            cell_sums: sums,
-            interlayer_history: interlayers,
-        } = &snapshot;
-        let narrow = |values: &[T]| values.iter().flat_map(|value| value.to_bytes()).collect();
-        let fields = number_sections("field", fields.iter().map(|values| narrow(values)));
-        let sums = number_sections("sums", sums.iter().map(|sums| to_bytes(sums)));
-        let work = number_sections("work", work.iter().map(|parts| to_bytes(parts)));
-        let has_interlayers = !interlayers.is_empty();
-        let faces = || {
-            let StatePart { interlayers, .. } = self.solver.state_part();
-            let numbers = interlayers
-                .into_iter()
-                .flat_map(|([layer, axis, cell], variables)| [layer, axis, cell, variables]);
-            numbers.flat_map(|number| (number as u64).to_le_bytes()).collect::<Vec<u8>>()
-        };
-        let interlayers = has_interlayers.then(|| {
-            [
-                ("interlayers".to_owned(), narrow(interlayers)),
-                ("interlayer_faces".to_owned(), faces()),
-            ]
-        });
-        let state = SimulationState {
-            steps: *steps,
-            time: self.account.time,
-            initial_energy: self.account.initial_energy,
-            sections: work
-                .chain(fields)
-                .chain(sums)
-                .chain(interlayers.into_iter().flatten())
-                .collect(),
-        };
-        *self.saved_snapshot.borrow_mut() = Some(snapshot);
-        state
+        Ok(StepFraction(if fraction > 0.0 { fraction } else { 1.0 }))
     }
 
     fn state_part(&self) -> Option<StatePart> {
         Some(self.solver.state_part())
     }
 
-    fn restore(&mut self, state: &SimulationState) -> bool {
-        let snapshot = || {
-            let work =
-                state.numbered_sections("work").map(from_bytes).collect::<Option<Vec<_>>>()?;
-            let interlayers = match state.sections.get("interlayers") {
-                Some(bytes) => T::from_bytes(bytes)?,
-                None => Vec::new(),
-            };
-            Some(Snapshot {
-                steps: state.steps,
-                fields: state
-                    .numbered_sections("field")
-                    .map(T::from_bytes)
-                    .collect::<Option<_>>()?,
-                work_sums: work.try_into().ok()?,
-                cell_sums: state
-                    .numbered_sections("sums")
-                    .map(from_bytes)
-                    .collect::<Option<_>>()?,
-                interlayer_history: interlayers,
-            })
-        };
-        // An empty snapshot belongs to no problem.
-        let snapshot = snapshot().unwrap_or_default();
-        if !self.solver.restore(&snapshot) {
-            return false;
-        }
-        *self.saved_snapshot.get_mut() = Some(Snapshot { steps: state.steps, ..snapshot });
-        self.steps_done = state.steps;
-        self.account.initial_energy = state.initial_energy;
-        self.account = self.compute_account(self.steps_done);
-        self.fields_before_step = None;
-        self.records.clear();
-        true
+    fn restore_with_cells(
+        &mut self,
+        state: &SimulationState,
+        cells: &mut dyn CellSections,
+    ) -> bool {
+        self.restore_sections(state, cells)
     }
 }

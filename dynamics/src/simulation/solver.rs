@@ -7,7 +7,7 @@ use crate::solid::domain::SolverReal;
 use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::reference::Reference;
-use crate::solid::snapshot::{Snapshot, StatePart};
+use crate::solid::snapshot::{Snapshot, StateLists, StatePart};
 use models::solid::waves::SolidField;
 use std::ops::Range;
 use std::sync::Arc;
@@ -121,10 +121,20 @@ pub(crate) trait SolidSolver<T: Real>: Send {
     fn initialise_interlayers(&mut self);
     /// Returns to the state of rest before the first step.
     fn reset(&mut self);
-    /// Returns the state for a checkpoint.
+    /// Returns the whole state.
     fn snapshot(&self) -> Snapshot<T>;
+    /// Returns the state without values by cell. All ranks call it.
+    fn snapshot_without_lists(&self) -> Snapshot<T>;
+    /// Lengths of the lists by cell of a state: of the fields, and of the sums.
+    fn list_lengths(&self) -> [Vec<usize>; 2];
+    /// Returns the values of the field at an index of a state.
+    fn field_list(&self, index: usize) -> Vec<T>;
+    /// Returns the sums at an index of a state.
+    fn sum_list(&self, index: usize) -> Vec<f64>;
     /// Restores a snapshot; `false` if it belongs to another problem.
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
+    /// Restores a state whose lists by cell are `lists`; `false` if it belongs to another problem, or a list cannot be read.
+    fn restore_lists(&mut self, state: &Snapshot<T>, lists: &mut dyn StateLists<T>) -> bool;
     /// Number of output quantities per cell.
     fn quantity_count(&self) -> usize;
     /// Output values by quantity and cell of some layers of this process across the last axis.
@@ -186,8 +196,32 @@ macro_rules! impl_solid_solver {
                 self.snapshot()
             }
 
+            fn snapshot_without_lists(&self) -> Snapshot<T> {
+                self.snapshot_without_lists()
+            }
+
+            fn list_lengths(&self) -> [Vec<usize>; 2] {
+                self.list_lengths()
+            }
+
+            fn field_list(&self, index: usize) -> Vec<T> {
+                self.field_list(index)
+            }
+
+            fn sum_list(&self, index: usize) -> Vec<f64> {
+                self.sum_list(index)
+            }
+
             fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
                 self.restore(snapshot)
+            }
+
+            fn restore_lists(
+                &mut self,
+                state: &Snapshot<T>,
+                lists: &mut dyn StateLists<T>,
+            ) -> bool {
+                self.restore_lists(state, lists)
             }
 
             fn quantity_count(&self) -> usize {

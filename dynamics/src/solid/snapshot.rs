@@ -1,6 +1,7 @@
 //! State of a solid for checkpoints.
 
 use crate::solid::ledger::WorkPartialSums;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// State of a solid, or of the part of its cells that a rank holds, independent of the solver and of the number of
@@ -32,6 +33,31 @@ impl<T> Default for Snapshot<T> {
             cell_sums: Vec::new(),
             interlayer_history: Vec::new(),
         }
+    }
+}
+
+/// Lists by cell of a saved state, which are read one by one: those of [`Snapshot::fields`] and [`Snapshot::cell_sums`].
+pub(crate) trait StateLists<T: Clone> {
+    /// Numbers of values of the fields and of the sums by cell.
+    fn lengths(&self) -> [Vec<usize>; 2];
+    /// Values of a field; `None` if they cannot be read.
+    fn read_field(&mut self, index: usize) -> Option<Cow<'_, [T]>>;
+    /// Values of a sum by cell; `None` if they cannot be read.
+    fn read_sums(&mut self, index: usize) -> Option<Cow<'_, [f64]>>;
+}
+
+impl<T: Clone> StateLists<T> for &Snapshot<T> {
+    fn lengths(&self) -> [Vec<usize>; 2] {
+        let sums = self.cell_sums.iter().map(Vec::len).collect();
+        [self.fields.iter().map(Vec::len).collect(), sums]
+    }
+
+    fn read_field(&mut self, index: usize) -> Option<Cow<'_, [T]>> {
+        self.fields.get(index).map(Cow::from)
+    }
+
+    fn read_sums(&mut self, index: usize) -> Option<Cow<'_, [f64]>> {
+        self.cell_sums.get(index).map(Cow::from)
     }
 }
 

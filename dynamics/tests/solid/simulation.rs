@@ -7,6 +7,7 @@ use models::solid::waves::SolidField;
 use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
+use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Source};
 use wellposed_dynamics::flow::perturbation::{Lattice, plane_wave};
 use wellposed_dynamics::flow::{self, Closure};
@@ -16,7 +17,8 @@ use wellposed_dynamics::probe::Probe;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simulation::{
     DueSnapshot, FlowSimulation, Observer, OutputTimes, RegularTimes, RunError, Simulation,
-    SimulationOutcome, SimulationState, SolidSimulation, SolverChoice, TimeSteps, run_simulation,
+    SimulationOutcome, SimulationState, SolidFields, SolidSimulation, SolverChoice,
+    StateSource as _, TimeSteps, run_simulation,
 };
 use wellposed_dynamics::solid::interlayers::{InterlayerLaw, Interlayers};
 
@@ -26,12 +28,14 @@ pub(crate) struct OutputLog {
     records: Vec<String>,
     accounts: Vec<String>,
     snapshots: Vec<String>,
-    /// Output fields of the snapshots.
+    /// Output fields of solids before and after the steps of the snapshots.
     pub(crate) fields: Vec<Box<dyn Any + Send>>,
     batch_count: usize,
     interruption_interval: Option<usize>,
     /// Number of calls of `on_steps_done` after which a state is saved while the run continues.
     save_after: Option<usize>,
+    /// State that was saved, or from which the run was resumed.
+    saved: Option<SimulationState>,
     /// Number of batches of steps that were repeated.
     replay_count: usize,
     /// Number of repeated batches after which the run is interrupted.
@@ -45,7 +49,30 @@ impl OutputLog {
     }
 }
 
-impl<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>> Observer<S> for OutputLog {
+/// Simulation whose output fields are logged.
+pub(crate) trait LoggedSimulation: Simulation<Account: Debug, Fields: Debug> {
+    /// Fields of all cells.
+    type Logged: Debug + Send + 'static;
+
+    /// Returns the fields of the present state that the fields at an output time do not contain.
+    fn logged_fields(&self) -> Self::Logged;
+}
+
+impl<T: SolverReal, const D: usize> LoggedSimulation for SolidSimulation<T, D> {
+    type Logged = SolidFields;
+
+    fn logged_fields(&self) -> SolidFields {
+        self.all_fields()
+    }
+}
+
+impl LoggedSimulation for FlowSimulation {
+    type Logged = ();
+
+    fn logged_fields(&self) {}
+}
+
+impl<S: LoggedSimulation> Observer<S> for OutputLog {
     /// State at the interruption.
     type Error = SimulationState;
 
@@ -59,9 +86,19 @@ impl<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>> Observer<S> 
         Ok(())
     }
 
-    fn on_snapshot(&mut self, _: &S, due: DueSnapshot<S::Fields>) -> Result<(), SimulationState> {
-        self.snapshots.push(format!("{due:?}"));
-        self.fields.push(Box::new(due.fields));
+    fn on_state_before_snapshot(&mut self, simulation: &S) -> Result<(), SimulationState> {
+        self.fields.push(Box::new(simulation.logged_fields()));
+        Ok(())
+    }
+
+    fn on_snapshot(
+        &mut self,
+        simulation: &S,
+        due: DueSnapshot<S::Fields>,
+    ) -> Result<(), SimulationState> {
+        let fields = simulation.logged_fields();
+        self.snapshots.push(format!("{due:?} {fields:?}"));
+        self.fields.push(Box::new(fields));
         Ok(())
     }
 
@@ -78,10 +115,14 @@ impl<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>> Observer<S> 
         }
     }
 
+    fn restore_saved(&mut self, simulation: &mut S) -> Result<bool, SimulationState> {
+        Ok(self.saved.as_ref().is_some_and(|state| simulation.restore(state)))
+    }
+
     fn on_steps_done(&mut self, simulation: &S, _: &S::Account) -> Result<(), SimulationState> {
         self.batch_count += 1;
         if self.save_after == Some(self.batch_count) {
-            simulation.state();
+            self.saved = Some(simulation.state());
         }
         if self
             .interruption_interval
@@ -95,9 +136,7 @@ impl<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>> Observer<S> 
 
 /// Runs a simulation, interrupting it after every `interruption_interval` calls of `on_steps_done` and resuming it;
 /// returns its log, its outcome and its final state.
-pub(crate) fn run_with_interruptions<
-    S: Simulation<Account: Debug, Fields: Debug + Send + 'static>,
->(
+pub(crate) fn run_with_interruptions<S: LoggedSimulation>(
     create: impl Fn() -> S,
     output: &OutputTimes,
     interruption_interval: Option<usize>,
@@ -117,10 +156,7 @@ pub(crate) fn run_with_interruptions<
     }
 }
 
-fn check_interruptions<S: Simulation<Account: Debug, Fields: Debug + Send + 'static>>(
-    create: impl Fn() -> S,
-    output: &OutputTimes,
-) {
+fn check_interruptions<S: LoggedSimulation>(create: impl Fn() -> S, output: &OutputTimes) {
     let (whole, end, state) = run_with_interruptions(&create, output, None);
     assert!(end.fault.is_none());
     for interval in [1, 2, 5] {
@@ -300,7 +336,7 @@ fn faults_are_located_from_the_last_saved_state() {
     let Err(RunError::Observer(state)) = end else { panic!("an interruption") };
     let mut second = create_simulation();
     assert!(second.restore(&state));
-    let mut log = OutputLog::default();
+    let mut log = OutputLog { saved: Some(state), ..OutputLog::default() };
     run_simulation(&mut second, &output, true, &mut log).expect("no interruption");
     assert_eq!(log.replay_count, (FAULT_TIME / step) as usize / 64 - 1);
     assert_eq!(second.state(), outcomes[0].2);

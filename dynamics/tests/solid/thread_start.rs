@@ -11,8 +11,8 @@ use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simulation::{
-    AdvanceError, DueSnapshot, Observer, OutputTimes, RegularTimes, RunError, Simulation,
-    SimulationState, run_simulation,
+    AdvanceError, CellSections, DueSnapshot, Observer, OutputTimes, RegularTimes, RunError,
+    Simulation, SimulationState, StateSource, run_simulation,
 };
 
 fn start_error() -> io::Error {
@@ -99,6 +99,7 @@ impl Simulation for TenStepSimulation {
     fn recover<E: From<ThreadStartError>>(
         &mut self,
         _fault: (),
+        _restore_saved: impl FnOnce(&mut Self) -> Result<bool, E>,
         _before_batch: impl FnMut() -> Result<(), E>,
     ) -> Result<(), E> {
         panic!("the state is sound")
@@ -125,18 +126,19 @@ impl Simulation for TenStepSimulation {
         Ok(())
     }
 
-    fn state(&self) -> SimulationState {
-        SimulationState {
-            steps: self.steps,
-            time: self.time(),
-            initial_energy: 0.0,
-            sections: Default::default(),
-        }
-    }
-
-    fn restore(&mut self, state: &SimulationState) -> bool {
+    fn restore_with_cells(
+        &mut self,
+        state: &SimulationState,
+        _cells: &mut dyn CellSections,
+    ) -> bool {
         self.steps = state.steps;
         true
+    }
+}
+
+impl StateSource for TenStepSimulation {
+    fn state_without_cells(&self) -> SimulationState {
+        SimulationState { steps: self.steps, time: self.time(), ..SimulationState::default() }
     }
 }
 

@@ -79,12 +79,17 @@ impl CellArrays {
 
     /// Adds an array of `cells` cells whose uncompressed values are written later.
     pub(super) fn declare(&mut self, array: &ArrayDeclaration, cells: usize) {
+        self.declare_encoded(array, size_of::<u64>() + cells * array.cell_size());
+    }
+
+    /// Adds an array whose encoded values, of `length` bytes, are written later.
+    pub(super) fn declare_encoded(&mut self, array: &ArrayDeclaration, length: usize) {
         self.arrays.push(CellArray {
             name: array.name.clone(),
             vtk_type: array.vtk_type,
             components: array.components,
             bytes: Vec::new(),
-            length: 8 + cells * array.cell_size(),
+            length,
         });
     }
 

@@ -63,9 +63,15 @@ pub(crate) fn compress(bytes: &[u8]) -> Vec<u8> {
 /// Joins compressed blocks of `length` bytes before compression.
 fn join_blocks(blocks: impl Iterator<Item = Vec<u8>>, length: usize) -> Vec<u8> {
     let blocks: Vec<Vec<u8>> = blocks.collect();
-    let head = [blocks.len(), BLOCK_LENGTH, length % BLOCK_LENGTH];
-    let numbers = head.into_iter().chain(blocks.iter().map(Vec::len));
-    let mut encoded: Vec<u8> = numbers.flat_map(|number| (number as u64).to_le_bytes()).collect();
+    let lengths: Vec<usize> = blocks.iter().map(Vec::len).collect();
+    let mut encoded = format_block_head(&lengths, length);
     encoded.extend(blocks.into_iter().flatten());
     encoded
+}
+
+/// Formats what precedes compressed blocks of given lengths, which have `length` bytes before compression.
+pub(super) fn format_block_head(block_lengths: &[usize], length: usize) -> Vec<u8> {
+    let head = [block_lengths.len(), BLOCK_LENGTH, length % BLOCK_LENGTH];
+    let numbers = head.iter().chain(block_lengths);
+    numbers.flat_map(|number| (*number as u64).to_le_bytes()).collect()
 }

@@ -4,6 +4,7 @@
 //! Cell values are appended as raw little-endian bytes, bit for bit; compression is optional. The format has no
 //! units: append them to the name of the array, as in `sigma11 [Pa]`.
 
+mod array_pieces;
 mod arrays;
 mod attributes;
 mod collection;
@@ -19,6 +20,7 @@ mod rounding;
 #[cfg(test)]
 mod tests;
 
+pub use array_pieces::ArrayPieces;
 pub use arrays::ArrayDeclaration;
 pub use collection::{format_collection, parse_collection};
 pub use encoding::Storage;

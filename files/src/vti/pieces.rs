@@ -1,9 +1,8 @@
 //! Image data in several files, one per piece: the index for viewers (`.pvti`, `.pvts`), and the file of the whole.
 
-use std::io::{self, Write};
 use std::ops::Range;
 
-use super::arrays::{ArrayDeclaration, FILE_END, check_length};
+use super::arrays::ArrayDeclaration;
 use super::attributes::{escape_xml, unescape_xml};
 use super::grid::{format_cell_extent, format_triple, parse_cell_extent};
 use super::image_data::ImageData;
@@ -56,36 +55,6 @@ impl ImageData {
         }
         text.push_str(&format!("  </{kind}>\n</VTKFile>\n"));
         text.into_bytes()
-    }
-
-    /// Writes image data that has no arrays yet with arrays whose uncompressed values `fetch` returns, one after the
-    /// other: the same bytes as if the arrays had been added.
-    pub fn write_with_arrays(
-        mut self,
-        arrays: &[ArrayDeclaration],
-        mut writer: &mut dyn Write,
-        mut fetch: impl FnMut(&ArrayDeclaration) -> io::Result<Vec<u8>>,
-    ) -> io::Result<()> {
-        if !self.arrays.is_plain() {
-            // Offsets follow from the compressed lengths of all arrays.
-            for array in arrays {
-                self.arrays.add_bytes(array, &fetch(array)?);
-            }
-            return self.write_to(&mut writer);
-        }
-        arrays.iter().for_each(|array| self.arrays.declare(array, self.cell_count));
-        writer.write_all(self.format_header().as_bytes())?;
-        for array in arrays {
-            let values = fetch(array)?;
-            let expected = self.cell_count * array.cell_size();
-            check_length(&array.name, values.len(), expected).map_err(io::Error::other)?;
-            writer.write_all(&(values.len() as u64).to_le_bytes())?;
-            writer.write_all(&values)?;
-        }
-        if let Some(nodes) = &self.nodes {
-            writer.write_all(nodes)?;
-        }
-        writer.write_all(FILE_END)
     }
 }
 

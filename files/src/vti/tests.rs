@@ -1,7 +1,8 @@
 //! Tests of image data and collections.
 
-use std::io::Read;
+use std::io::{Cursor, Read};
 
+use super::arrays::ArrayDeclaration;
 use super::collection::{format_collection, parse_collection};
 use super::encoding::{BLOCK_LENGTH, Storage, encode_compressed, encode_plain};
 use super::error::VtiError;
@@ -160,6 +161,53 @@ fn a_file_on_disk_has_the_same_bytes() {
     let data = sample_image(Storage::Compressed);
     data.write_file(&path).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), data.to_bytes());
+}
+
+#[test]
+fn arrays_appended_in_pieces_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = 300 * 1000;
+    let arrays = [("a [Pa]", "Float64", 1), ("v [m/s]", "Float32", 3), ("b", "Float32", 1)];
+    let arrays = arrays.map(|(name, vtk_type, components)| ArrayDeclaration {
+        name: name.to_owned(),
+        vtk_type,
+        components,
+    });
+    let values: Vec<Vec<u8>> = arrays
+        .iter()
+        .map(|array| (0..count * array.cell_size()).map(|i| (i % 251 + i / 4999) as u8).collect())
+        .collect();
+    let image = |storage| {
+        let grid = ImageGrid { cells: vec![300, 1000], ..plane_grid() };
+        let mut image = ImageData::new(grid, storage).unwrap();
+        image.map_nodes(|[x, y]| [x + y, y]);
+        image
+    };
+    for storage in [Storage::Plain, Storage::Compressed] {
+        let mut whole = image(storage);
+        for (array, values) in arrays.iter().zip(&values) {
+            whole.add_encoded_array(array, values).unwrap();
+        }
+        let write = |layers: usize| {
+            let mut file = Cursor::new(Vec::new());
+            let written =
+                image(storage).write_in_pieces(&arrays, &mut file, folder.path(), |pieces| {
+                    for layer in (0..layers).step_by(7) {
+                        let cells = 300 * layer..300 * (layer + 7).min(layers);
+                        for (index, array) in arrays.iter().enumerate() {
+                            let size = array.cell_size();
+                            let bytes = cells.start * size..cells.end * size;
+                            pieces.append(index, &values[index][bytes])?;
+                        }
+                    }
+                    Ok(())
+                });
+            written.map(|()| file.into_inner())
+        };
+        assert!(write(1000).unwrap() == whole.to_bytes());
+        // An array that lacks values is no file.
+        assert!(write(999).is_err());
+    }
 }
 
 #[test]

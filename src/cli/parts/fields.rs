@@ -4,6 +4,7 @@ use super::boxes::{BoxCopy, count_cells};
 use crate::case::dynamics::SolidGrid;
 use crate::cli::folder::{OutputError, create_write_error};
 use crate::study::simulate::{FaceRecord, FieldSource, JointFace, OutputFields};
+use files::FileError;
 use files::section_file::{
     SectionFileError, SectionFileProblem, visit_section, visit_sections, write_sections,
     write_sections_in_pieces,
@@ -22,9 +23,6 @@ const JOINTS: &str = "joints";
 /// Number of numbers that describe a face of a joint.
 const FACE_NUMBERS: usize = 14;
 
-/// Bytes of values that are in memory while fields are written, unless a layer of cells has more.
-const SLAB_BYTES: usize = 4 << 20;
-
 /// Writes the fields of the cells `cells` along each axis to a file, a few layers of cells at a time.
 ///
 /// # Errors
@@ -34,17 +32,16 @@ pub(in crate::cli) fn write_fields(
     fields: &dyn FieldSource,
     cells: &[Range<usize>],
 ) -> Result<(), OutputError> {
+    let failed = |source| FileError { path: path.to_owned(), action: "write", source };
     let description = fields.describe();
-    let (layer_count, layer_size) = (fields.layer_count(), fields.layer_size());
-    let layer_bytes = layer_size * description.quantities.len().max(1) * size_of::<f64>();
-    let slab_layers = (SLAB_BYTES / layer_bytes.max(1)).clamp(1, layer_count.max(1));
-    let slab = |first: usize| fields.read_layers(first..(first + slab_layers).min(layer_count));
-    let mut next = (slab_layers, slab(0));
+    let mut slabs = fields.slabs();
+    let first =
+        slabs.next().transpose().map_err(|error| create_write_error(path, &failed(error)))?;
+    let first = first.unwrap_or_default();
     let about = format_about(&description, cells);
     let joints = encode_faces(&description.joint_faces);
-    let count = layer_count * layer_size;
-    let sizes =
-        arrays(&next.1).map(|(name, values)| (name.to_owned(), count * values.value_size()));
+    let count = fields.layer_count() * fields.layer_size();
+    let sizes = arrays(&first).map(|(name, values)| (name.to_owned(), count * values.value_size()));
     let mut sections = vec![(ABOUT.to_owned(), about.len())];
     sections.extend(sizes);
     sections.push((JOINTS.to_owned(), joints.len()));
@@ -52,14 +49,10 @@ pub(in crate::cli) fn write_fields(
         sections.iter().map(|(name, length)| (name.as_str(), *length)).collect();
     let written = write_sections_in_pieces(path, &sections, |pieces| {
         pieces.append(0, about.as_bytes())?;
-        loop {
-            for (index, (_, values)) in arrays(&next.1).enumerate() {
+        for slab in std::iter::once(Ok(first)).chain(slabs) {
+            for (index, (_, values)) in arrays(&slab?).enumerate() {
                 pieces.append(1 + index, &values.encode())?;
             }
-            if next.0 >= layer_count {
-                break;
-            }
-            next = (next.0 + slab_layers, slab(next.0));
         }
         pieces.append(sections.len() - 1, &joints)
     });
@@ -124,7 +117,7 @@ impl Numbers<'_> {
 
     fn encode(&self) -> Vec<u8> {
         match self {
-            Self::Real(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            Self::Real(values) => files::encode_numbers(values),
             Self::Indices(values) => {
                 values.iter().flat_map(|own| i32::from(*own).to_le_bytes()).collect()
             }
@@ -345,7 +338,10 @@ fn visit(
     visit_sections(path, visit).map_err(|error| describe_error(path, error))
 }
 
-fn describe_error(path: &Path, SectionFileError { problem, .. }: SectionFileError) -> OutputError {
+pub(super) fn describe_error(
+    path: &Path,
+    SectionFileError { problem, .. }: SectionFileError,
+) -> OutputError {
     match problem {
         SectionFileProblem::Io(error) => OutputError::from_read_error(path, &error),
         problem => OutputError::from_invalid_content(path, problem),

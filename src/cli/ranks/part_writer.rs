@@ -6,16 +6,16 @@ use crate::case::Case;
 use crate::cli::folder::{
     OutputError, PartFile, create_write_error, has_joint_files, snapshot_index_name,
 };
-use crate::cli::parts::{write_fields, write_joints};
+use crate::cli::parts::{write_fields, write_joints, write_state_sections};
 use crate::cli::run::create_part_sections;
-use crate::report::run::create_image_piece;
-use crate::study::simulate::{FieldSource, OutputFields, OutputPart};
+use crate::report::run::{format_image_index, write_image};
+use crate::study::simulate::{FieldSource, OutputFields, OutputPart, SavedState};
 use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::SimulationState;
-use files::section_file::write_sections;
 use files::vti::{PieceFile, Storage};
-use files::{FileDigest, write_atomically};
+use files::{FileDigest, write_atomically_with};
 use serde_json::{Value, json};
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -94,13 +94,16 @@ impl PartWriter<'_> {
 
     /// Writes the state of the rank for a checkpoint. Returns the state with the list of the files of all ranks instead
     /// of its sections.
-    pub(super) fn write_state(&self, state: SimulationState) -> Result<SimulationState, RankError> {
+    pub(super) fn write_state(
+        &self,
+        SavedState { without_cells: state, cells }: SavedState,
+    ) -> Result<SavedState<'static>, RankError> {
         let name = self.name(PartFile::Checkpoint(state.steps));
         let path = self.folder.join(&name);
         let sections: Vec<(&str, &[u8])> =
             state.sections.iter().map(|(name, own)| (name.as_str(), own.as_slice())).collect();
-        let written = write_sections(&path, &sections)
-            .map_err(|error| crate::cli::CommandError::from(create_write_error(&path, &error)));
+        let written =
+            write_state_sections(&path, &sections, cells).map_err(crate::cli::CommandError::from);
         let cells = self.part.as_ref().map_or(&[][..], |part| &part.state.cells);
         let ends: Vec<[usize; 2]> = cells.iter().map(|own| [own.start, own.end]).collect();
         let parts = self.collect(written.map(|()| json!([name, ends])).map_err(Error::from))?;
@@ -111,29 +114,33 @@ impl PartWriter<'_> {
             (own[0].as_str().unwrap_or_default().to_owned(), cells)
         };
         let parts: Vec<(String, Vec<Range<usize>>)> = parts.iter().map(part).collect();
-        Ok(SimulationState { sections: create_part_sections(&parts), ..state })
+        let without_cells = SimulationState { sections: create_part_sections(&parts), ..state };
+        Ok(SavedState { without_cells, cells: None })
     }
 
     /// Writes the fields of the rank for a snapshot. Returns the files of all ranks and the index for ParaView.
     pub(super) fn write_snapshot(
         &self,
         index: usize,
-        fields: &OutputFields,
+        fields: &dyn FieldSource,
     ) -> Result<(RankFiles, Vec<u8>), Error> {
         let cells = self.own_cells();
         let write = || -> Result<(RankFiles, Value), Error> {
-            let image = create_image_piece(self.case, fields, cells, Storage::Compressed)?;
             let name = self.name(PartFile::Snapshot(index));
-            let (path, bytes) = (self.folder.join(&name), image.to_bytes());
-            write_atomically(&path, &bytes).map_err(|error| {
-                crate::cli::CommandError::from(create_write_error(&path, &error))
-            })?;
-            let mut files = vec![(name.clone(), FileDigest::from_bytes(&bytes))];
+            let mut files = vec![self.write_part(name.clone(), |path| {
+                let written = write_atomically_with(path, |file| {
+                    let options = (cells, Storage::Compressed);
+                    write_image(self.case, fields, options, file, &self.folder)
+                        .map_err(io::Error::other)
+                });
+                written.map_err(|error| create_write_error(path, &error))
+            })?];
             if has_joint_files(self.case) {
                 let name = self.name(PartFile::SnapshotJoints(index));
-                files.push(self.write_part(name, |path| {
-                    write_joints(path, (&fields.joint_faces, fields.time), cells)
-                })?);
+                let OutputFields { joint_faces, time, .. } = fields.describe();
+                files.push(
+                    self.write_part(name, |path| write_joints(path, (&joint_faces, time), cells))?,
+                );
             }
             let ends: Vec<[usize; 2]> = cells.iter().map(|own| [own.start, own.end]).collect();
             Ok((files, json!([name, ends])))
@@ -160,8 +167,7 @@ impl PartWriter<'_> {
             file: own[0].as_str().unwrap_or_default().to_owned(),
         };
         let pieces: Vec<PieceFile> = pieces.iter().map(piece).collect();
-        let image = create_image_piece(self.case, fields, cells, Storage::Compressed)?;
-        Ok((files, image.format_index(&pieces)))
+        Ok((files, format_image_index(self.case, fields, cells, &pieces)?))
     }
 
     /// Returns the name of the index of a snapshot.

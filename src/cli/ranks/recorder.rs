@@ -6,13 +6,14 @@ use crate::Error;
 use crate::case::Case;
 use crate::cli::CommandError;
 use crate::cli::folder::{AppendedFile, OutputError};
-use crate::cli::run::{Checkpoint, FileRecorder};
+use crate::cli::run::{Checkpoint, FileRecorder, OpenedState};
 use crate::study::simulate::{
-    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, TableHeader,
-    TableKind,
+    FieldSource, OutputFields, OutputPart, Recorder, RestoreState, RunProgress, RunRecords,
+    SavedState, TableHeader, TableKind,
 };
 use dynamics::decomposition::communicator::Communicator;
-use dynamics::simulation::{RegularTimes, SimulationState};
+use dynamics::simulation::RegularTimes;
+use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -49,13 +50,13 @@ impl<'a, 'b> RankRecorder<'a, 'b> {
         Self { communicator, recorder, is_resumed, writer, error: None }
     }
 
-    /// Reads the own part of the state of the checkpoint; without sections, which match no case, if that fails.
-    fn load_state(&self) -> Result<SimulationState, CommandError> {
+    /// Opens the own part of the state of the checkpoint.
+    fn open_state(&self) -> Result<OpenedState, CommandError> {
         let path = self.writer.folder.join(AppendedFile::Checkpoint.name());
         let case = self.writer.case.without_plot_options().to_toml();
         let missing = || OutputError::from_invalid_content(&path, "no checkpoint");
         let checkpoint = Checkpoint::read_file(path.clone(), &case)?.ok_or_else(missing)?;
-        Ok(checkpoint.load_state(self.writer.part.as_ref().map(|part| &part.state))?)
+        Ok(checkpoint.open_state(self.writer.part.as_ref().map(|part| &part.state))?)
     }
 
     /// Makes a call of the root's recorder and tells the other ranks whether it has succeeded. The call receives a
@@ -97,7 +98,7 @@ impl<'a, 'b> RankRecorder<'a, 'b> {
             folder: self.writer.folder.clone(),
             part: self.writer.part.clone(),
         };
-        let save_part = || -> Result<SimulationState, Error> {
+        let save_part = || -> Result<SavedState<'static>, Error> {
             let state = (progress.save_state)()?;
             Ok(writer.write_state(state).map_err(CommandError::from)?)
         };
@@ -139,33 +140,38 @@ impl Recorder for RankRecorder<'_, '_> {
         &mut self,
         tables: &[TableHeader],
         snapshots: Option<RegularTimes>,
-        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
+        restore: &mut RestoreState,
     ) -> Result<(), Error> {
         // Each rank restores its own part; without it none is restored.
-        let own = if self.is_resumed { Some(self.load_state()) } else { None };
-        let (own, failure) =
-            own.transpose().map_or_else(|error| (None, Some(error)), |own| (own, None));
-        let empty = SimulationState {
-            steps: 0,
-            time: 0.0,
-            initial_energy: 0.0,
-            sections: Default::default(),
-        };
-        let own = own.unwrap_or(empty);
-        let restore = std::cell::RefCell::new(restore);
-        let start = |recorder: &mut dyn Recorder, call_all: &dyn Fn()| {
-            let found = recorder.start(tables, snapshots, &mut |_| {
-                call_all();
-                restore.borrow_mut()(&own)
-            });
-            match failure {
-                Some(failure) => Err(failure.into()),
-                None => found,
+        let (mut own, mut failure) = (OpenedState::default(), None);
+        if self.is_resumed {
+            match self.open_state() {
+                Ok(opened) => own = opened,
+                Err(error) => failure = Some(error),
             }
+        }
+        let restore_own = RefCell::new(|| {
+            let restored = own.restore(&mut *restore);
+            restored.unwrap_or_else(|error| {
+                failure.get_or_insert(error.into());
+                None
+            })
+        });
+        let start = |recorder: &mut dyn Recorder, call_all: &dyn Fn()| {
+            recorder.start(tables, snapshots, &mut |_, _| {
+                call_all();
+                restore_own.borrow_mut()()
+            })
         };
-        self.call(start, || {
-            restore.borrow_mut()(&own);
-        })?;
+        let started = self.call(start, || {
+            restore_own.borrow_mut()();
+        });
+        // The error of the root's file precedes that of its recorder, which follows from it.
+        drop(restore_own);
+        match failure {
+            Some(failure) if self.recorder.is_some() => return Err(failure.into()),
+            _ => started?,
+        }
         let shared = self.writer.check_shared_folder();
         self.error = shared.map_err(|error| CommandError::from(error).into()).err();
         self.call(|_, _| Ok(()), || {})
@@ -176,8 +182,12 @@ impl Recorder for RankRecorder<'_, '_> {
         Ok(())
     }
 
-    fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
-        let written = self.writer.write_snapshot(index, &fields);
+    fn scratch_folder(&self) -> Option<PathBuf> {
+        Some(self.writer.folder.clone())
+    }
+
+    fn record_snapshot(&mut self, index: usize, fields: &dyn FieldSource) -> Result<(), Error> {
+        let written = self.writer.write_snapshot(index, fields);
         let name = self.writer.index_name(index);
         if let (Some(recorder), None) = (&mut self.recorder, &self.error) {
             self.error = written
@@ -192,6 +202,12 @@ impl Recorder for RankRecorder<'_, '_> {
 
     fn begin_replay(&mut self) -> Result<(), Error> {
         self.call(|recorder, _| recorder.begin_replay(), || {})
+    }
+
+    fn restore_saved(&mut self, restore: &mut RestoreState) -> Result<bool, Error> {
+        // All ranks take part, even one that cannot read its state: none of them restores it then.
+        let restored = self.open_state().unwrap_or_default().restore(restore);
+        Ok(restored.is_ok_and(|snapshots| snapshots.is_some()))
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

@@ -1,13 +1,12 @@
 //! Checkpoint of a run: the state, and the lengths and checksums of its tables and snapshots.
 
 use crate::case::{Case, TimeDomainRun};
-use crate::cli::folder::{
-    AppendedFile, OutputError, ResultFolder, create_write_error, is_part_name,
-};
-use crate::cli::parts::{StateFile, read_state_sections};
-use dynamics::simulation::{SimulationState, StatePart};
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, is_part_name};
+use crate::cli::parts::{StateFile, StateFiles, write_state_sections};
+use crate::study::simulate::RestoreState;
+use dynamics::simulation::{SimulationState, StatePart, StateSource};
 use files::FileDigest;
-use files::section_file::{SectionFileProblem, read_sections, visit_sections, write_sections};
+use files::section_file::{SectionFileProblem, read_sections, visit_sections};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -20,7 +19,7 @@ pub(in crate::cli) struct Checkpoint {
     pub(in crate::cli) table_digests: Vec<FileDigest>,
     /// Snapshots so far, by index.
     pub(in crate::cli) snapshots: Vec<SnapshotFiles>,
-    /// Complete state of the solver; without its sections if the checkpoint was read, until [`Self::load_state`].
+    /// State of the solver without values by cell; without all sections if the checkpoint was read.
     pub(in crate::cli) solver_state: SimulationState,
     /// Files with the sections of the state, one per rank; `None` if they are in the checkpoint itself.
     part_files: Option<Vec<StateFile>>,
@@ -65,8 +64,12 @@ impl Checkpoint {
         Self { table_digests, snapshots, solver_state, part_files: None, path }
     }
 
-    /// Writes the checkpoint to the results folder atomically.
-    pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
+    /// Writes the checkpoint to the results folder atomically, with the values by cell of `cells`, if it has them.
+    pub(super) fn write(
+        &self,
+        folder: &ResultFolder,
+        cells: Option<&dyn StateSource>,
+    ) -> Result<(), OutputError> {
         let SimulationState { steps, time, initial_energy, sections: numbers } = &self.solver_state;
         let digest = |own: &FileDigest| [own.length, own.checksum.into()];
         let snapshot = |own: &SnapshotFiles| {
@@ -86,8 +89,7 @@ impl Checkpoint {
             ("about", about.as_bytes()),
         ];
         sections.extend(numbers.iter().map(|(name, own)| (name.as_str(), own.as_slice())));
-        write_sections(&self.path, &sections)
-            .map_err(|error| create_write_error(&self.path, &error))
+        write_state_sections(&self.path, &sections, cells)
     }
 
     /// Reads the checkpoint of a folder; `None` if the run had not written one yet. The state of the solver remains on
@@ -140,31 +142,31 @@ impl Checkpoint {
         Ok(Some(Self { table_digests, snapshots, solver_state, part_files, path }))
     }
 
-    /// Reads the state of a part of the cells; of flows, which have no parts, the whole state.
+    /// Opens the state of a part of the cells; of flows, which have no parts, the whole state.
     ///
     /// # Errors
     /// A file cannot be read or is damaged.
-    pub(in crate::cli) fn load_state(
+    pub(in crate::cli) fn open_state(
         &self,
         part: Option<&StatePart>,
-    ) -> Result<SimulationState, OutputError> {
-        let grid = |part: &StatePart| -> Vec<Range<usize>> {
-            part.grid_cells.iter().map(|count| 0..*count).collect()
-        };
-        let sections = match (&self.part_files, part) {
-            (Some(files), Some(part)) => read_state_sections(files, part)?,
-            (None, Some(part)) if part.cells != grid(part) => {
-                let whole = StateFile { path: self.path.clone(), cells: grid(part) };
-                read_state_sections(&[whole], part)?
+    ) -> Result<OpenedState, OutputError> {
+        let (cells, sections) = match part {
+            Some(part) => {
+                let grid = || part.grid_cells.iter().map(|count| 0..*count).collect();
+                let whole = || vec![StateFile { path: self.path.clone(), cells: grid() }];
+                let sources = self.part_files.clone().unwrap_or_else(whole);
+                let (files, sections) = StateFiles::open(sources, part.clone())?;
+                (Some(files), sections)
             }
-            _ => {
+            None => {
                 let sections = read_sections(&self.path).map_err(|error| {
                     OutputError::from_invalid_content(&self.path, error.problem)
                 })?;
-                sections.into_iter().filter(|own| !OWN_SECTIONS.contains(&&*own.0)).collect()
+                let of_state = |own: &(String, _)| !OWN_SECTIONS.contains(&&*own.0);
+                (None, sections.into_iter().filter(of_state).collect())
             }
         };
-        Ok(SimulationState { sections, ..self.solver_state.clone() })
+        Ok(OpenedState { state: SimulationState { sections, ..self.solver_state.clone() }, cells })
     }
 
     /// Returns the tables covered by the checkpoint with their lengths and checksums, in the order in which a run of
@@ -192,6 +194,31 @@ impl Checkpoint {
     pub(in crate::cli) fn create_mismatch_error(folder: &ResultFolder) -> OutputError {
         let path = folder.file_path(AppendedFile::Checkpoint);
         OutputError::from_invalid_content(&path, "its fields are not those of the case")
+    }
+}
+
+/// State of a checkpoint that has been opened; by default one that matches no case.
+#[derive(Default)]
+pub(in crate::cli) struct OpenedState {
+    /// State without values by cell.
+    state: SimulationState,
+    /// Files with the values by cell; `None` (flows) if there are none.
+    cells: Option<StateFiles>,
+}
+
+impl OpenedState {
+    /// Restores the state by `restore` and returns its result.
+    ///
+    /// # Errors
+    /// A file cannot be read or is damaged.
+    pub(in crate::cli) fn restore(
+        &mut self,
+        restore: &mut RestoreState,
+    ) -> Result<Option<usize>, OutputError> {
+        let Self { state, cells } = self;
+        let Some(files) = cells else { return Ok(restore(state, &mut &*state)) };
+        let restored = restore(state, files);
+        files.error.take().map_or(Ok(restored), Err)
     }
 }
 

@@ -5,7 +5,7 @@ use super::run_files::RunFiles;
 use crate::cli::CommandError;
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
-use crate::study::simulate::RunProgress;
+use crate::study::simulate::{RunProgress, SavedState};
 use std::time::Instant;
 
 /// Timer that writes checkpoints when they are due.
@@ -40,9 +40,10 @@ impl<'a> CheckpointTimer<'a> {
         if is_interrupted && !progress.is_finished {
             signals::set_stage(ProgramStage::WritingCheckpoint);
         }
-        let checkpoint =
-            files.create_checkpoint((progress.save_state)().map_err(CommandError::from)?)?;
-        checkpoint.write(self.run_context.folder)?;
+        let SavedState { without_cells, cells } =
+            (progress.save_state)().map_err(CommandError::from)?;
+        let checkpoint = files.create_checkpoint(without_cells)?;
+        checkpoint.write(self.run_context.folder, cells)?;
         self.run_context.folder.remove_checkpoint_parts(Some(checkpoint.solver_state.steps))?;
         files.append_log(&format!("checkpoint at step {}", checkpoint.solver_state.steps));
         self.last_checkpoint_time = Instant::now();

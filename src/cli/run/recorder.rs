@@ -1,7 +1,7 @@
 //! Recorder that writes the output of a simulation to files, and interrupts it on signals.
 
 use super::RunContext;
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, OpenedState};
 use super::checkpoint_timer::CheckpointTimer;
 use super::run_files::{RunFiles, read_records};
 use crate::Error;
@@ -11,15 +11,16 @@ use crate::cli::parts::write_fields;
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
-use crate::report::run::{DisplayTime, create_joint_lines, write_image};
+use crate::report::run::{DisplayTime, create_joint_lines, whole_image, write_image};
 use crate::study::simulate::{
-    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics,
-    TableHeader, TableKind,
+    FieldSource, OutputFields, OutputPart, Recorder, RestoreState, RunProgress, RunRecords,
+    StepStatistics, TableHeader, TableKind,
 };
-use dynamics::simulation::{RegularTimes, SimulationState};
+use dynamics::simulation::RegularTimes;
 use files::SeekableWriter;
 use files::lock::Lock;
 use std::io::{self, IsTerminal as _, Write as _};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Number of increments of the progress bar over the duration of a run.
@@ -114,6 +115,11 @@ impl<'a> FileRecorder<'a> {
         );
     }
 
+    /// Opens the state of a checkpoint for the part that this process holds.
+    fn open_state(&self, checkpoint: &Checkpoint) -> Result<OpenedState, CommandError> {
+        Ok(checkpoint.open_state(self.part.as_ref().map(|part| &part.state))?)
+    }
+
     /// Returns the number of steps done by this process and their wall time, s.
     fn steps_and_wall_time(&self, progress: &RunProgress) -> (usize, f64) {
         let RunStart { wall_time: clock, step_count: steps, .. } = self.run_start;
@@ -134,7 +140,7 @@ impl Recorder for FileRecorder<'_> {
         &mut self,
         tables: &[TableHeader],
         snapshots: Option<RegularTimes>,
-        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
+        restore: &mut RestoreState,
     ) -> Result<(), Error> {
         match self.checkpoint.take() {
             None => {
@@ -143,13 +149,11 @@ impl Recorder for FileRecorder<'_> {
             }
             Some(checkpoint) => {
                 // Each of several ranks loads its own part.
-                let state = match self.part.as_ref().is_none_or(|part| part.is_whole()) {
-                    true => checkpoint
-                        .load_state(self.part.as_ref().map(|part| &part.state))
-                        .map_err(CommandError::from)?,
-                    false => checkpoint.solver_state.clone(),
+                let mut state = match self.part.as_ref().is_none_or(|part| part.is_whole()) {
+                    true => self.open_state(&checkpoint)?,
+                    false => OpenedState::default(),
                 };
-                let from = (&checkpoint, &state);
+                let from = (&checkpoint, &mut state);
                 self.run_files.resume_run(tables, from, restore, snapshots)?;
                 if self.part.as_ref().is_none_or(OutputPart::is_whole) {
                     self.run_files.join_snapshots(self.run_context.case)?;
@@ -167,14 +171,22 @@ impl Recorder for FileRecorder<'_> {
         Ok(self.run_files.append_row(table.into(), row)?)
     }
 
-    fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
-        let case = self.run_context.case;
-        let joints = has_joint_files(case)
-            .then(|| create_joint_lines(&fields.joint_faces, fields.time))
-            .transpose()?;
+    fn scratch_folder(&self) -> Option<PathBuf> {
+        Some(self.run_context.folder.path().to_path_buf())
+    }
+
+    fn record_snapshot(&mut self, index: usize, fields: &dyn FieldSource) -> Result<(), Error> {
+        let RunContext { case, folder, .. } = self.run_context;
+        let joints = has_joint_files(case).then(|| {
+            let OutputFields { joint_faces, time, .. } = fields.describe();
+            create_joint_lines(&joint_faces, time)
+        });
+        let joints = joints.transpose()?;
         let names = snapshot_file_names(case, index);
+        let (cells, storage) = whole_image(case)?;
         let write_fields = &mut |file: &mut dyn SeekableWriter| {
-            write_image(case, &fields, file).map_err(io::Error::other)
+            write_image(case, fields, (&cells, storage), file, folder.path())
+                .map_err(io::Error::other)
         };
         Ok(self.run_files.write_snapshot(write_fields, joints.as_ref(), names)?)
     }
@@ -184,11 +196,22 @@ impl Recorder for FileRecorder<'_> {
         &mut self,
         fields: &dyn FieldSource,
     ) -> Result<Option<OutputFields>, Error> {
-        let Some(part) = &self.part else { return Ok(Some(fields.read_all())) };
+        let Some(part) = &self.part else { return Ok(Some(fields.read_all()?)) };
         let RunContext { case, folder, .. } = self.run_context;
         let path = folder.path().join(PartFile::Fields.name(case, 0));
         write_fields(&path, fields, &part.cells).map_err(CommandError::from)?;
         Ok(None)
+    }
+
+    fn restore_saved(&mut self, restore: &mut RestoreState) -> Result<bool, Error> {
+        let Some(checkpoint) =
+            Checkpoint::read(self.run_context.folder).map_err(CommandError::from)?
+        else {
+            return Ok(false);
+        };
+        let restored =
+            self.open_state(&checkpoint)?.restore(restore).map_err(CommandError::from)?;
+        Ok(restored.is_some())
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

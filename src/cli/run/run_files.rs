@@ -1,6 +1,6 @@
 //! Files that a run appends to: tables and snapshots.
 
-use super::checkpoint::{Checkpoint, SnapshotFiles};
+use super::checkpoint::{Checkpoint, OpenedState, SnapshotFiles};
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::CommandError;
 use crate::cli::folder::{
@@ -10,14 +10,14 @@ use crate::cli::folder::{
 use crate::cli::gather::{JoinedFiles, Parts};
 use crate::report::WriteContent;
 use crate::study::simulate::{
-    RecordColumn, RecordTable, RunRecords, TableHeader, TableKind, column_unit,
+    RecordColumn, RecordTable, RestoreState, RunRecords, TableHeader, TableKind, column_unit,
 };
 use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
 use files::table_appender::{Appender, InterruptedTable};
 use files::vti::{PolyData, format_collection};
 use files::{FileDigest, read_regular_file};
-use std::io::{self, Write};
+use std::io::Write;
 
 /// Tables and snapshots that a run writes, and the folder that contains them.
 pub(in crate::cli) struct RunFiles<'a> {
@@ -83,18 +83,17 @@ impl<'a> RunFiles<'a> {
         Ok(())
     }
 
-    /// Prepares the folder for a run resumed from a checkpoint, whose state is `state`. `restore` restores the state of the
-    /// solver and returns the number of snapshots due, or `None` if the state does not match the case. Nothing is changed
-    /// before all files are found to match the checkpoint.
+    /// Prepares the folder for a run resumed from a checkpoint, whose state is `state`, which `restore` restores. Nothing is
+    /// changed before all files are found to match the checkpoint.
     pub(super) fn resume_run(
         &mut self,
         tables: &[TableHeader],
-        (from, state): (&Checkpoint, &SimulationState),
-        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
+        (from, state): (&Checkpoint, &mut OpenedState),
+        restore: &mut RestoreState,
         snapshots: Option<RegularTimes>,
     ) -> Result<(), CommandError> {
         let folder = self.folder;
-        let snapshots_due = restore(state);
+        let snapshots_due = state.restore(restore)?;
         if snapshots_due != Some(from.snapshots.len()) || from.table_digests.len() != tables.len() {
             return Err(Checkpoint::create_mismatch_error(folder).into());
         }
@@ -263,12 +262,8 @@ struct JoinedRunFiles<'a, 'b> {
 }
 
 impl JoinedFiles for JoinedRunFiles<'_, '_> {
-    fn put(
-        &mut self,
-        name: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<(), OutputError> {
-        let written = self.run.write_result_with(name, &mut |file| write(file))?;
+    fn put(&mut self, name: &str, write: &mut WriteContent) -> Result<(), OutputError> {
+        let written = self.run.write_result_with(name, write)?;
         self.files.push((name.to_owned(), written));
         Ok(())
     }

@@ -4,12 +4,14 @@ use super::polar::reflect_components;
 use crate::Error;
 use crate::case::dynamics::{Precision, SnapshotOptions, SolidGrid};
 use crate::case::{Case, TimeDomainRun};
-use crate::study::simulate::{FieldQuantity, OutputFields, quantity_unit};
+use crate::study::simulate::{FieldQuantity, FieldSource, OutputFields, quantity_unit};
+use files::SeekableWriter;
 use files::vti::{
-    ArrayDeclaration, ImageData, ImageGrid, Storage, VtkNumber, round_to_digits, rounding_error,
+    ArrayDeclaration, ImageData, ImageGrid, PieceFile, Storage, VtkNumber, round_to_digits,
+    rounding_error,
 };
-use std::io;
 use std::ops::Range;
+use std::path::Path;
 
 /// Creates the ParaView image of the fields of one time; for flows on the deformed grid, for polar grids in Cartesian
 /// coordinates, with Cartesian components of the velocity.
@@ -17,9 +19,22 @@ use std::ops::Range;
 /// # Errors
 /// The case has no simulation, or the fields do not match its grid.
 pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Error> {
-    let grid = create_image_grid(case)?;
-    let cells: Vec<Range<usize>> = grid.cells.iter().map(|count| 0..*count).collect();
-    create_image_piece(case, fields, &cells, snapshot_storage(case))
+    let (cells, storage) = whole_image(case)?;
+    let moment = (fields.time, fields.deformation_gradient);
+    let mut image = create_empty_image(case, moment, &cells, storage)?;
+    for array in list_arrays(case, fields, &cells) {
+        image.add_encoded_array(&array.declaration, &array.encode())?;
+    }
+    Ok(image)
+}
+
+/// Returns the cells along each axis and the storage of the image of a whole grid.
+///
+/// # Errors
+/// The case has no simulation.
+pub fn whole_image(case: &Case) -> Result<(Vec<Range<usize>>, Storage), Error> {
+    let cells = create_image_grid(case)?.cells.iter().map(|count| 0..*count).collect();
+    Ok((cells, snapshot_storage(case)))
 }
 
 /// Returns the storage of the snapshots of a whole grid: compressed if their numbers are shortened.
@@ -140,47 +155,69 @@ pub fn create_empty_image(
     Ok(image)
 }
 
-/// Creates the image of a part of the cells as [`create_image`] does: `fields` are those of the cells `cells` along each
-/// axis.
+/// Writes the image of the cells `cells` along each axis, whose fields are `fields`, a few layers of cells at a time.
+/// Compressed values are collected in the folder `scratch_folder`.
 ///
 /// # Errors
-/// As [`create_image`].
-pub fn create_image_piece(
+/// The case has no simulation, the fields do not match its grid or cannot be read, or the writer fails.
+pub fn write_image(
     case: &Case,
-    fields: &OutputFields,
+    fields: &dyn FieldSource,
+    (cells, storage): (&[Range<usize>], Storage),
+    writer: &mut dyn SeekableWriter,
+    scratch_folder: &Path,
+) -> Result<(), Error> {
+    let image = create_described_image(case, fields, cells, storage)?;
+    let mut slabs = fields.slabs().peekable();
+    let declarations = match slabs.peek() {
+        Some(Ok(first)) => declare_arrays(case, first, cells),
+        _ => Vec::new(),
+    };
+    image.write_in_pieces(&declarations, writer, scratch_folder, |pieces| {
+        for slab in slabs {
+            for (index, array) in list_arrays(case, &slab?, cells).iter().enumerate() {
+                pieces.append(index, &array.encode())?;
+            }
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// Formats the index of the pieces of an image, of which `fields` are the fields of one with the cells `cells`.
+///
+/// # Errors
+/// As [`write_image`].
+pub fn format_image_index(
+    case: &Case,
+    fields: &dyn FieldSource,
+    cells: &[Range<usize>],
+    pieces: &[PieceFile],
+) -> Result<Vec<u8>, Error> {
+    let mut image = create_described_image(case, fields, cells, Storage::Compressed)?;
+    let first = fields.slabs().next().transpose()?.unwrap_or_default();
+    image.declare_arrays(&declare_arrays(case, &first, cells));
+    Ok(image.format_index(pieces))
+}
+
+/// Creates an image without arrays of the cells `cells`, whose fields are `fields`.
+fn create_described_image(
+    case: &Case,
+    fields: &dyn FieldSource,
     cells: &[Range<usize>],
     storage: Storage,
 ) -> Result<ImageData, Error> {
-    let moment = (fields.time, fields.deformation_gradient);
-    let mut image = create_empty_image(case, moment, cells, storage)?;
-    for array in list_arrays(case, fields, cells) {
-        image.add_encoded_array(&array.declaration, &array.encode())?;
-    }
-    Ok(image)
+    let OutputFields { time, deformation_gradient, .. } = fields.describe();
+    create_empty_image(case, (time, deformation_gradient), cells, storage)
 }
 
-/// Writes the bytes of the image that [`create_image`] creates. The converted values of one array are in memory at a time,
-/// unless values are compressed.
-///
-/// # Errors
-/// As [`create_image`], or the writer fails.
-pub fn write_image(
+/// Returns names and types of the arrays of an image from the fields of some of its cells.
+fn declare_arrays(
     case: &Case,
     fields: &OutputFields,
-    writer: &mut dyn io::Write,
-) -> Result<(), Error> {
-    let grid = create_image_grid(case)?;
-    let cells: Vec<Range<usize>> = grid.cells.iter().map(|count| 0..*count).collect();
-    let moment = (fields.time, fields.deformation_gradient);
-    let image = create_empty_image(case, moment, &cells, snapshot_storage(case))?;
-    let arrays = list_arrays(case, fields, &cells);
-    let declarations: Vec<ArrayDeclaration> =
-        arrays.iter().map(|array| array.declaration.clone()).collect();
-    let mut rest = arrays.iter();
-    image.write_with_arrays(&declarations, writer, |_| {
-        Ok(rest.next().map(ImageArray::encode).unwrap_or_default())
-    })?;
-    Ok(())
+    cells: &[Range<usize>],
+) -> Vec<ArrayDeclaration> {
+    list_arrays(case, fields, cells).into_iter().map(|array| array.declaration).collect()
 }
 
 /// Lists the arrays of the image of the cells `cells` along each axis.

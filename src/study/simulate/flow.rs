@@ -20,7 +20,7 @@ use analysis::StateError;
 use analysis::flows::FlowWorkspace;
 use analysis::growth::Verdict;
 use dynamics::flow::{FlowEnergy, FlowProblem, LeftDomain};
-use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation, Simulation as _};
+use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
 use models::common::elementary::Modulus;
 use std::ops::Range;
 
@@ -231,6 +231,32 @@ impl FlowJob<'_> {
     }
 }
 
+impl FlowJob<'_> {
+    /// Converts output fields at a time, s, whose values `values` returns.
+    fn convert_fields(
+        &self,
+        fields: &FlowFields,
+        time: f64,
+        values: impl Fn(&Vec<f64>) -> Vec<f64>,
+    ) -> OutputFields {
+        let grid = &self.flow_run.grid;
+        let points =
+            |axis| (0..grid.points[axis]).map(|i| grid.point_coordinate(axis, i)).collect();
+        let named = self.quantities.iter().zip(&fields.values);
+        OutputFields {
+            time,
+            coordinates: (0..2).map(points).collect(),
+            deformation_gradient: Some(fields.deformation_gradient),
+            quantities: named
+                .map(|(own, all)| FieldQuantity::new(own.array_name().to_owned(), values(all)))
+                .collect(),
+            plastic_dissipation: Vec::new(),
+            region_indices: Vec::new(),
+            joint_faces: Vec::new(),
+        }
+    }
+}
+
 impl OutputConverter<FlowSimulation> for FlowJob<'_> {
     fn receiver_table(&self) -> Option<(TableHeader, Vec<usize>)> {
         let names: Vec<&str> = self.quantities.iter().map(|own| own.name()).collect();
@@ -263,42 +289,28 @@ impl OutputConverter<FlowSimulation> for FlowJob<'_> {
         vec![ledger, spectrum]
     }
 
-    fn convert_fields(
-        &self,
-        _simulation: &FlowSimulation,
-        fields: FlowFields,
-        time: f64,
-    ) -> OutputFields {
-        let grid = &self.flow_run.grid;
-        let points =
-            |axis| (0..grid.points[axis]).map(|i| grid.point_coordinate(axis, i)).collect();
-        let named = self.quantities.iter().zip(fields.values);
-        OutputFields {
-            time,
-            coordinates: (0..2).map(points).collect(),
-            deformation_gradient: Some(fields.deformation_gradient),
-            quantities: named
-                .map(|(own, values)| FieldQuantity::new(own.array_name().to_owned(), values))
-                .collect(),
-            plastic_dissipation: Vec::new(),
-            region_indices: Vec::new(),
-            joint_faces: Vec::new(),
-        }
-    }
-
     /// Fields of a flow are computed together.
     fn layers(&self, _simulation: &FlowSimulation) -> [usize; 2] {
         [1, self.flow_run.grid.point_count()]
     }
 
-    fn convert_layers(&self, simulation: &FlowSimulation, _layers: Range<usize>) -> OutputFields {
-        self.convert_fields(simulation, simulation.fields(), simulation.time())
+    fn convert_layers(
+        &self,
+        _simulation: &FlowSimulation,
+        fields: &FlowFields,
+        _layers: Range<usize>,
+        time: f64,
+    ) -> OutputFields {
+        self.convert_fields(fields, time, Clone::clone)
     }
 
-    fn describe_fields(&self, simulation: &FlowSimulation) -> OutputFields {
-        let mut fields = self.convert_layers(simulation, 0..1);
-        fields.quantities.iter_mut().for_each(|own| own.values.clear());
-        fields
+    fn describe_fields(
+        &self,
+        _simulation: &FlowSimulation,
+        fields: &FlowFields,
+        time: f64,
+    ) -> OutputFields {
+        self.convert_fields(fields, time, |_| Vec::new())
     }
 
     fn step_statistics(&self, simulation: &FlowSimulation, last: &FlowAccount) -> StepStatistics {

@@ -1,12 +1,12 @@
 //! Recorder that keeps the output of a simulation in memory.
 
 use super::{
-    OutputFields, RecordColumn, RecordTable, Recorder, RunProgress, RunRecords, SnapshotCallback,
-    TableHeader, TableKind,
+    FieldSource, RecordColumn, RecordTable, Recorder, RestoreState, RunProgress, RunRecords,
+    SnapshotCallback, TableHeader, TableKind,
 };
 use crate::Error;
 use crate::study::ProgressCallback;
-use dynamics::simulation::{RegularTimes, SimulationState};
+use dynamics::simulation::RegularTimes;
 
 /// Number of progress steps over the duration of a simulation.
 const PROGRESS_STEP_COUNT: usize = 1000;
@@ -48,7 +48,7 @@ impl Recorder for MemoryRecorder<'_, '_> {
         &mut self,
         tables: &[TableHeader],
         _snapshots: Option<RegularTimes>,
-        _restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
+        _restore: &mut RestoreState,
     ) -> Result<(), Error> {
         for head in tables {
             let names = head.columns.iter().zip(&head.units);
@@ -68,7 +68,8 @@ impl Recorder for MemoryRecorder<'_, '_> {
         Ok(())
     }
 
-    fn record_snapshot(&mut self, _index: usize, fields: OutputFields) -> Result<(), Error> {
+    fn record_snapshot(&mut self, _index: usize, fields: &dyn FieldSource) -> Result<(), Error> {
+        let fields = fields.read_all()?;
         match &mut self.on_snapshot {
             None => self.records.snapshots.push(fields),
             Some(take) => {

@@ -1,8 +1,9 @@
 //! Observer of the simulation driver that converts its output to table rows and fields for a recorder.
 
+use super::stored_fields::StoredFields;
 use super::{
-    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, StepStatistics,
-    StopReport, TableHeader, TableKind,
+    FieldSource, OutputFields, OutputPart, Recorder, RunProgress, RunRecords, SavedState,
+    StepStatistics, StopReport, TableHeader, TableKind,
 };
 use crate::Error;
 use crate::case::Case;
@@ -12,6 +13,7 @@ use dynamics::simulation::{
 };
 use std::cell::Cell;
 use std::fmt::Display;
+use std::io;
 use std::ops::Range;
 
 /// Converter of the output of a solver to table rows, output fields and reports.
@@ -31,18 +33,28 @@ pub(super) trait OutputConverter<S: Simulation> {
     /// Returns one row for each of the [`account_tables`](Self::account_tables) from an energy account.
     fn account_rows(&self, account: &S::Account) -> Vec<Vec<f64>>;
 
-    /// Converts the output fields at `time`, s.
-    fn convert_fields(&self, simulation: &S, fields: S::Fields, time: f64) -> OutputFields;
-
     /// Returns the number of layers of cells of this process across the last axis, and the number of cells of each, for
     /// [`convert_layers`](Self::convert_layers).
     fn layers(&self, simulation: &S) -> [usize; 2];
 
-    /// Converts the output fields of the present state in some layers of cells; without joints.
-    fn convert_layers(&self, simulation: &S, layers: Range<usize>) -> OutputFields;
+    /// Converts the output fields `fields` at `time`, s, in some layers of cells; without joints. Those of solids are those
+    /// of the present state.
+    fn convert_layers(
+        &self,
+        simulation: &S,
+        fields: &S::Fields,
+        layers: Range<usize>,
+        time: f64,
+    ) -> OutputFields;
 
-    /// Returns the output fields of the present state without values by cell.
-    fn describe_fields(&self, simulation: &S) -> OutputFields;
+    /// Returns the output fields as [`convert_layers`](Self::convert_layers) does without values by cell, with joints.
+    fn describe_fields(&self, simulation: &S, fields: &S::Fields, time: f64) -> OutputFields;
+
+    /// Returns the fraction of the last step at which solids interpolate output fields between the states before and after
+    /// it; `None` if `fields` need no interpolation.
+    fn step_fraction(&self, _fields: &S::Fields) -> Option<f64> {
+        None
+    }
 
     /// Estimates the largest strain of the fields of some cells; 0 for flows.
     fn find_largest_strain(&self, _fields: &OutputFields) -> f64 {
@@ -104,8 +116,8 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
     if let Some(part) = converter.find_part(&simulation) {
         recorder.set_part(part);
     }
-    recorder.start(&tables, output.snapshots, &mut |state| {
-        let is_own = simulation.restore(state);
+    recorder.start(&tables, output.snapshots, &mut |state, cells| {
+        let is_own = simulation.restore_with_cells(state, cells);
         is_own.then(|| output.snapshots.map_or(0, |times| times.count_reached(&simulation)))
     })?;
     let mut watch = RecorderObserver {
@@ -114,18 +126,20 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
         receiver_columns: columns.unwrap_or_default(),
         account_table_kinds: accounts.iter().map(|head| head.kind).collect(),
         duration,
+        fields_before: None,
     };
     let end = run_simulation(&mut simulation, output, is_resumed, &mut watch)?;
     let records =
         watch.report_progress_to_recorder(&simulation, &end.last_account, |recorder, now| {
             recorder.finish(now)
         })?;
-    let source = FinalFields { converter, simulation: &simulation, largest_strain: Cell::new(0.0) };
+    let present = simulation.fields();
+    let source = TimeFields::new(converter, &simulation, (&present, simulation.time()), None);
     let fields = recorder.record_final_fields(&source)?;
     let largest_strain = source.largest_strain.get();
     Ok(SimulationOutput {
         has_field_values: fields.is_some(),
-        fields: fields.unwrap_or_else(|| converter.describe_fields(&simulation)),
+        fields: fields.unwrap_or_else(|| source.describe()),
         largest_strain,
         final_account: end.last_account,
         step_count: simulation.steps(),
@@ -135,17 +149,38 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
     })
 }
 
-/// Output fields of the final state of a simulation.
-struct FinalFields<'a, S, V> {
+/// Output fields of a simulation at a time, within or at the end of its last step.
+struct TimeFields<'a, S: Simulation, V> {
     converter: &'a V,
     simulation: &'a S,
+    fields: &'a S::Fields,
+    /// Time of the fields, s.
+    time: f64,
+    /// Fields before the last step, and the fraction of this step, between which fields are interpolated.
+    before: Option<(&'a StoredFields, f64)>,
     /// Largest strain of the fields that have been read.
     largest_strain: Cell<f64>,
 }
 
-impl<S: Simulation, V: OutputConverter<S>> FieldSource for FinalFields<'_, S, V> {
+impl<'a, S: Simulation, V: OutputConverter<S>> TimeFields<'a, S, V> {
+    fn new(
+        converter: &'a V,
+        simulation: &'a S,
+        (fields, time): (&'a S::Fields, f64),
+        before: Option<&'a StoredFields>,
+    ) -> Self {
+        let before = before.zip(converter.step_fraction(fields));
+        Self { converter, simulation, fields, time, before, largest_strain: Cell::new(0.0) }
+    }
+}
+
+impl<S: Simulation, V: OutputConverter<S>> FieldSource for TimeFields<'_, S, V> {
     fn describe(&self) -> OutputFields {
-        self.converter.describe_fields(self.simulation)
+        let mut found = self.converter.describe_fields(self.simulation, self.fields, self.time);
+        if let Some((before, fraction)) = self.before {
+            before.interpolate_joints(fraction, &mut found);
+        }
+        found
     }
 
     fn layer_count(&self) -> usize {
@@ -156,11 +191,15 @@ impl<S: Simulation, V: OutputConverter<S>> FieldSource for FinalFields<'_, S, V>
         self.converter.layers(self.simulation)[1]
     }
 
-    fn read_layers(&self, layers: Range<usize>) -> OutputFields {
-        let fields = self.converter.convert_layers(self.simulation, layers);
-        let strain = self.converter.find_largest_strain(&fields);
+    fn read_layers(&self, layers: Range<usize>) -> io::Result<OutputFields> {
+        let Self { converter, simulation, fields, time, .. } = self;
+        let mut found = converter.convert_layers(simulation, fields, layers.clone(), *time);
+        if let Some((before, fraction)) = self.before {
+            before.interpolate_layers(&layers, fraction, &mut found)?;
+        }
+        let strain = converter.find_largest_strain(&found);
         self.largest_strain.set(self.largest_strain.get().max(strain));
-        fields
+        Ok(found)
     }
 }
 
@@ -174,6 +213,8 @@ struct RecorderObserver<'a, V> {
     account_table_kinds: Vec<TableKind>,
     /// Duration of the simulation, s.
     duration: f64,
+    /// Output fields before the last step, if a snapshot within it needs them.
+    fields_before: Option<StoredFields>,
 }
 
 impl<V> RecorderObserver<'_, V> {
@@ -192,7 +233,10 @@ impl<V> RecorderObserver<'_, V> {
             duration: self.duration,
             is_finished: simulation.is_finished(),
             statistics: self.converter.step_statistics(simulation, last),
-            save_state: &|| Ok(simulation.state()),
+            save_state: &|| {
+                let without_cells = simulation.state_without_cells();
+                Ok(SavedState { without_cells, cells: Some(simulation) })
+            },
         };
         take(self.recorder, &progress)
     }
@@ -216,18 +260,36 @@ impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, 
             .try_for_each(|(table, row)| self.recorder.record_row(*table, &row))
     }
 
+    fn on_state_before_snapshot(&mut self, simulation: &S) -> Result<(), Error> {
+        // The fields of an earlier snapshot give way first.
+        self.fields_before = None;
+        let present = simulation.fields();
+        let moment = (&present, simulation.time());
+        let source = TimeFields::new(self.converter, simulation, moment, None);
+        let folder = self.recorder.scratch_folder();
+        self.fields_before = Some(StoredFields::store(&source, folder.as_deref())?);
+        Ok(())
+    }
+
     fn on_snapshot(
         &mut self,
         simulation: &S,
         snapshot: DueSnapshot<S::Fields>,
     ) -> Result<(), Error> {
         let DueSnapshot { index, time, fields } = snapshot;
-        self.recorder
-            .record_snapshot(index, self.converter.convert_fields(simulation, fields, time))
+        let before = self.fields_before.as_ref();
+        let source = TimeFields::new(self.converter, simulation, (&fields, time), before);
+        self.recorder.record_snapshot(index, &source)
     }
 
     fn on_replay(&mut self) -> Result<(), Error> {
         self.recorder.begin_replay()
+    }
+
+    fn restore_saved(&mut self, simulation: &mut S) -> Result<bool, Error> {
+        self.recorder.restore_saved(&mut |state, cells| {
+            simulation.restore_with_cells(state, cells).then_some(0)
+        })
     }
 
     fn on_steps_done(&mut self, simulation: &S, last: &S::Account) -> Result<(), Error> {

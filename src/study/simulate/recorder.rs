@@ -4,8 +4,10 @@ use super::{OutputFields, RunRecords, quantity_unit};
 use crate::Error;
 use crate::case::Case;
 use dynamics::decomposition::communicator::Communicator;
-use dynamics::simulation::{RegularTimes, SimulationState, StatePart};
+use dynamics::simulation::{CellSections, RegularTimes, SimulationState, StatePart, StateSource};
+use std::io;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Kind of a table to which a simulation appends rows.
@@ -70,9 +72,22 @@ pub struct RunProgress<'a> {
     pub is_finished: bool,
     /// Statistics of the time steps.
     pub statistics: StepStatistics,
-    /// Function that returns the complete state for a checkpoint; it fails if ranks cannot save their parts.
-    pub save_state: &'a dyn Fn() -> Result<SimulationState, Error>,
+    /// Function that returns the state for a checkpoint; it fails if ranks cannot save their parts.
+    pub save_state: &'a dyn Fn() -> Result<SavedState<'a>, Error>,
 }
+
+/// State for a checkpoint, of which the values by cell are not in memory.
+pub struct SavedState<'a> {
+    /// State without the sections with values by cell.
+    pub without_cells: SimulationState,
+    /// Source of the sections with values by cell; `None` if the ranks have written them to files of their own.
+    pub cells: Option<&'a dyn StateSource>,
+}
+
+/// Function that restores a saved state: its sections without values by cell, and those with values by cell. Returns the
+/// number of snapshots recorded before, or `None` if the state does not match the case.
+pub type RestoreState<'a> =
+    dyn FnMut(&SimulationState, &mut dyn CellSections) -> Option<usize> + 'a;
 
 /// Statistics of the time steps of a solid or a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,14 +145,36 @@ pub trait FieldSource {
     fn layer_size(&self) -> usize;
 
     /// Returns the values of the cells of some layers; without joints.
-    fn read_layers(&self, layers: Range<usize>) -> OutputFields;
+    ///
+    /// # Errors
+    /// Values that have been stored in a file cannot be read.
+    fn read_layers(&self, layers: Range<usize>) -> io::Result<OutputFields>;
 
     /// Returns all fields.
-    fn read_all(&self) -> OutputFields {
+    ///
+    /// # Errors
+    /// As [`read_layers`](Self::read_layers).
+    fn read_all(&self) -> io::Result<OutputFields> {
         let joint_faces = self.describe().joint_faces;
-        OutputFields { joint_faces, ..self.read_layers(0..self.layer_count()) }
+        Ok(OutputFields { joint_faces, ..self.read_layers(0..self.layer_count())? })
     }
 }
+
+impl dyn FieldSource + '_ {
+    /// Iterates over all fields by a few layers of cells at a time.
+    pub fn slabs(&self) -> impl Iterator<Item = io::Result<OutputFields>> {
+        let layer_count = self.layer_count();
+        let quantity_count = self.describe().quantities.len();
+        let layer_bytes = self.layer_size() * quantity_count.max(1) * size_of::<f64>();
+        let slab_layers = (SLAB_BYTES / layer_bytes.max(1)).clamp(1, layer_count.max(1));
+        (0..layer_count)
+            .step_by(slab_layers)
+            .map(move |first| self.read_layers(first..(first + slab_layers).min(layer_count)))
+    }
+}
+
+/// Bytes of values that are in memory while fields are written, unless a layer of cells has more.
+const SLAB_BYTES: usize = 4 << 20;
 
 /// Recorder of the output of a simulation. An error returned by any method ends the run.
 pub trait Recorder: Send {
@@ -157,8 +194,7 @@ pub trait Recorder: Send {
     fn set_part(&mut self, _part: OutputPart) {}
 
     /// Starts recording the given tables, and snapshots at the given times. The recorder of a resumed run calls
-    /// `restore` with the saved state; `restore` returns the number of snapshots recorded before, or `None` if the
-    /// state does not match the case.
+    /// `restore` with the saved state.
     ///
     /// # Errors
     /// The recorder cannot start, or the saved state does not match.
@@ -166,7 +202,7 @@ pub trait Recorder: Send {
         &mut self,
         tables: &[TableHeader],
         snapshots: Option<RegularTimes>,
-        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
+        restore: &mut RestoreState,
     ) -> Result<(), Error>;
 
     /// Records a row of a table.
@@ -175,11 +211,17 @@ pub trait Recorder: Send {
     /// The output cannot be recorded.
     fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error>;
 
+    /// Returns the folder for files without names that fields are stored in until they are recorded; `None` if they are
+    /// stored in memory.
+    fn scratch_folder(&self) -> Option<PathBuf> {
+        None
+    }
+
     /// Records a snapshot with its index, from 0, and fields.
     ///
     /// # Errors
     /// The output cannot be recorded.
-    fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error>;
+    fn record_snapshot(&mut self, index: usize, fields: &dyn FieldSource) -> Result<(), Error>;
 
     /// Prepares the repetition of steps, by which the last valid state before a fault is found.
     ///
@@ -187,6 +229,16 @@ pub trait Recorder: Send {
     /// The run is interrupted.
     fn begin_replay(&mut self) -> Result<(), Error> {
         Ok(())
+    }
+
+    /// Restores the last state that has been saved, or from which the run was resumed, by `restore`; `false` if there is none
+    /// or it does not match the case.
+    ///
+    /// # Errors
+    /// The state cannot be read.
+    fn restore_saved(&mut self, restore: &mut RestoreState) -> Result<bool, Error> {
+        let _ = restore;
+        Ok(false)
     }
 
     /// Handles the progress after a batch of steps, when all output due has been recorded.
@@ -205,7 +257,7 @@ pub trait Recorder: Send {
         &mut self,
         fields: &dyn FieldSource,
     ) -> Result<Option<OutputFields>, Error> {
-        Ok(Some(fields.read_all()))
+        Ok(Some(fields.read_all()?))
     }
 
     /// Ends recording after the last step and returns the records.

@@ -30,7 +30,7 @@ use dynamics::decomposition::communicator::Communicator;
 use dynamics::medium::Medium;
 use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
-    TimeSteps,
+    StepFraction, TimeSteps,
 };
 use models::common::decimal::ToPlainText;
 use std::ops::Range;
@@ -422,16 +422,6 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
         vec![std::iter::once(account.time).chain(terms.map(|term| term.1)).collect()]
     }
 
-    fn convert_fields(
-        &self,
-        simulation: &SolidSimulation<T, D>,
-        fields: SolidFields,
-        time: f64,
-    ) -> OutputFields {
-        let [layer_count, _] = self.layers(simulation);
-        self.convert_cells(simulation, (0..layer_count, fields), time)
-    }
-
     fn layers(&self, simulation: &SolidSimulation<T, D>) -> [usize; 2] {
         [simulation.own_cells()[D - 1].len(), simulation.layer_size()]
     }
@@ -439,21 +429,29 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
     fn convert_layers(
         &self,
         simulation: &SolidSimulation<T, D>,
+        _fields: &StepFraction,
         layers: Range<usize>,
+        time: f64,
     ) -> OutputFields {
         let fields = simulation.fields_in(layers.clone());
-        self.convert_cells(simulation, (layers, fields), simulation.time())
+        self.convert_cells(simulation, (layers, fields), time)
     }
 
-    fn describe_fields(&self, simulation: &SolidSimulation<T, D>) -> OutputFields {
+    fn describe_fields(
+        &self,
+        simulation: &SolidSimulation<T, D>,
+        _fields: &StepFraction,
+        time: f64,
+    ) -> OutputFields {
         let interlayers = simulation.interlayer_records();
         let [layer_count, _] = self.layers(simulation);
         let fields = SolidFields { interlayers, ..simulation.fields_in(0..0) };
         let coordinates = self.cell_centres(simulation, &(0..layer_count));
-        OutputFields {
-            coordinates,
-            ..self.convert_cells(simulation, (0..0, fields), simulation.time())
-        }
+        OutputFields { coordinates, ..self.convert_cells(simulation, (0..0, fields), time) }
+    }
+
+    fn step_fraction(&self, StepFraction(fraction): &StepFraction) -> Option<f64> {
+        (*fraction < 1.0).then_some(*fraction)
     }
 
     fn find_largest_strain(&self, fields: &OutputFields) -> f64 {

@@ -25,16 +25,29 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.time_integrals.len()
     }
 
-    /// Returns the sums over time by owned cell: the lists of [`CellDissipation::lists`], then the time integrals.
+    /// Returns the number of lists of sums over time by cell.
+    pub(crate) fn cell_sum_count(&self) -> usize {
+        self.diagnostics.dissipation.lists().len() + self.diagnostics.time_integrals.len()
+    }
+
+    /// Whether the problem needs the sums at an index of [`Self::cell_sums`].
+    pub(crate) fn has_cell_sums(&self, index: usize) -> bool {
+        self.diagnostics.dissipation.lists().get(index).is_none_or(|sums| !sums.is_empty())
+    }
+
+    /// Returns the sums over time by owned cell at an index: in the lists of [`CellDissipation::lists`], then the time
+    /// integrals; empty if the problem does not need them.
     ///
     /// [`CellDissipation::lists`]: crate::solid::ledger::CellDissipation::lists
-    pub(crate) fn cell_sums(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn cell_sums(&self, index: usize) -> Vec<f64> {
         let dissipation = self.diagnostics.dissipation.lists();
-        let dissipation = dissipation.map(|sums| self.owned_lane_values(sums).collect());
-        let integrals = self.diagnostics.time_integrals.iter();
-        let integrals =
-            integrals.map(|(_, sums)| self.layout.owned_cells().map(|cell| sums[cell]).collect());
-        dissipation.into_iter().chain(integrals).collect()
+        match dissipation.get(index) {
+            Some(sums) => self.owned_lane_values(sums).collect(),
+            None => {
+                let (_, sums) = &self.diagnostics.time_integrals[index - dissipation.len()];
+                self.layout.owned_cells().map(|cell| sums[cell]).collect()
+            }
+        }
     }
 
     /// Whether the plastic dissipation is stored by cell.
@@ -55,17 +68,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cells.map(|cell| values[self.layout.flat_lane_index::<T>(cell)])
     }
 
-    /// Restores the sums that [`Self::cell_sums`] returns.
-    pub(crate) fn set_cell_sums(&mut self, sums: &[Vec<f64>]) {
-        let Some((dissipation, integrals)) = sums.split_at_checked(3) else { return };
-        for (own, values) in self.diagnostics.dissipation.lists_mut().into_iter().zip(dissipation) {
-            for (cell, &value) in self.layout.owned_cells().zip(values) {
-                own[self.layout.flat_lane_index::<T>(cell)] = value;
-            }
-        }
-        for ((_, own), values) in self.diagnostics.time_integrals.iter_mut().zip(integrals) {
-            for (cell, &value) in self.layout.owned_cells().zip(values) {
-                own[cell] = value;
+    /// Sets the sums that [`Self::cell_sums`] returns; no values if the problem does not need them.
+    pub(crate) fn set_cell_sums(&mut self, index: usize, values: impl Iterator<Item = f64>) {
+        let cells = self.layout.owned_cells();
+        let mut dissipation = self.diagnostics.dissipation.lists_mut();
+        let integral = index.wrapping_sub(dissipation.len());
+        match dissipation.get_mut(index) {
+            Some(own) => cells
+                .zip(values)
+                .for_each(|(cell, value)| own[self.layout.flat_lane_index::<T>(cell)] = value),
+            None => {
+                let (_, own) = &mut self.diagnostics.time_integrals[integral];
+                cells.zip(values).for_each(|(cell, value)| own[cell] = value);
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::solid::ledger::{EnergySums, WorkSums};
 use crate::solid::line;
 use crate::solid::medium::{energy_terms_by_medium, stress_component};
 use crate::solid::region::Region;
-use crate::solid::snapshot::{Snapshot, StatePart};
+use crate::solid::snapshot::{Snapshot, StateLists, StatePart};
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 use std::ops::Range;
@@ -260,20 +260,45 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         sums
     }
 
-    fn cell_sums(&self) -> Vec<Vec<f64>> {
+    fn cell_sum_lists(&self) -> impl Iterator<Item = &Vec<f64>> {
         let integrals = self.time_integrals.iter().map(|(_, sums)| sums);
-        self.dissipation.lists().into_iter().chain(integrals).cloned().collect()
+        self.dissipation.lists().into_iter().chain(integrals)
     }
 
     /// Returns the state for a checkpoint.
     pub fn snapshot(&self) -> Snapshot<T> {
         Snapshot {
-            steps: self.steps,
             fields: self.fields.clone(),
+            cell_sums: self.cell_sum_lists().cloned().collect(),
+            ..self.snapshot_without_lists()
+        }
+    }
+
+    /// Returns the state without values by cell.
+    pub(crate) fn snapshot_without_lists(&self) -> Snapshot<T> {
+        Snapshot {
+            steps: self.steps,
+            fields: Vec::new(),
             work_sums: self.work.to_partial_sums(),
-            cell_sums: self.cell_sums(),
+            cell_sums: Vec::new(),
             interlayer_history: self.interlayers.history().to_vec(),
         }
+    }
+
+    /// Returns the lengths of the lists by cell of a state.
+    pub(crate) fn list_lengths(&self) -> [Vec<usize>; 2] {
+        let sums = self.cell_sum_lists().map(Vec::len).collect();
+        [self.fields.iter().map(Vec::len).collect(), sums]
+    }
+
+    /// Returns the values of a field of a state.
+    pub(crate) fn field_list(&self, index: usize) -> Vec<T> {
+        self.fields[index].clone()
+    }
+
+    /// Returns the sums by cell at an index of a state.
+    pub(crate) fn sum_list(&self, index: usize) -> Vec<f64> {
+        self.cell_sum_lists().nth(index).cloned().unwrap_or_default()
     }
 
     /// Returns to the state of rest before the first step.
@@ -289,28 +314,33 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Restores a snapshot; returns `false`, without any change, if the sizes of its lists are not those of this
     /// problem.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
-        let Snapshot {
-            steps,
-            fields,
-            work_sums: work,
-            cell_sums: sums,
-            interlayer_history: interlayers,
-        } = snapshot;
-        let is_same = fields.iter().map(Vec::len).eq(self.fields.iter().map(Vec::len))
-            && interlayers.len() == self.interlayers.history().len()
-            && sums.iter().map(Vec::len).eq(self.cell_sums().iter().map(Vec::len));
-        let (Some((dissipation, integrals)), true) = (sums.split_at_checked(3), is_same) else {
+        self.restore_lists(snapshot, &mut &*snapshot)
+    }
+
+    /// Restores a state, whose lists by cell are `lists`, as [`restore`](Self::restore) does. If a list cannot be read,
+    /// other lists may have been restored.
+    pub(crate) fn restore_lists(
+        &mut self,
+        state: &Snapshot<T>,
+        lists: &mut dyn StateLists<T>,
+    ) -> bool {
+        if lists.lengths() != self.list_lengths()
+            || state.interlayer_history.len() != self.interlayers.history().len()
+        {
             return false;
-        };
-        self.steps = *steps;
-        self.fields.clone_from(fields);
-        self.interlayers.set_history(interlayers);
-        self.work = WorkSums::from_partial_sums(work);
-        for (own, sums) in self.dissipation.lists_mut().into_iter().zip(dissipation) {
-            own.clone_from(sums);
         }
-        for ((_, own), sums) in self.time_integrals.iter_mut().zip(integrals) {
-            own.clone_from(sums);
+        self.steps = state.steps;
+        self.interlayers.set_history(&state.interlayer_history);
+        self.work = WorkSums::from_partial_sums(&state.work_sums);
+        for (index, own) in self.fields.iter_mut().enumerate() {
+            let Some(values) = lists.read_field(index) else { return false };
+            own.copy_from_slice(&values);
+        }
+        let integrals = self.time_integrals.iter_mut().map(|(_, sums)| sums);
+        let sums = self.dissipation.lists_mut().into_iter().chain(integrals);
+        for (index, own) in sums.enumerate() {
+            let Some(values) = lists.read_sums(index) else { return false };
+            own.copy_from_slice(&values);
         }
         true
     }

@@ -35,16 +35,16 @@ const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
 /// Number of SIMD lanes that pad a row of lines, by measurement.
 const PADDING_LANES: usize = 10;
 
-/// Memory of lists of values by cell relative to the values, by measurement: lists grow in steps.
-const LIST_EXCESS: f64 = 1.17;
+/// Memory while snapshots are written, bytes, by measurement: some layers of cells with all arrays, their encoded values,
+/// and compressed values.
+const SNAPSHOT_MEMORY_BYTES: f64 = 24.0 * 1048576.0;
 
-/// Copies of a snapshot that are in memory while it is written, by measurement: the states before and after its time, and
-/// one array as it is written.
-const SNAPSHOT_COPIES: f64 = 3.45;
+/// Lists with a value by cell that are in memory besides the state, by measurement: one as a checkpoint is written, or as a
+/// picture is drawn.
+const LIST_COPIES: f64 = 1.17;
 
-/// Numbers per cell for the dissipation of a yielding solid, by measurement: in the solver, in the checkpoint and for
-/// output.
-const DISSIPATION_NUMBERS: f64 = 4.0;
+/// Lists with the plastic dissipation by cell in the solver, by measurement.
+const DISSIPATION_LISTS: f64 = 1.17;
 
 /// Memory of a face of a joint in multiples of its output, by measurement, without and with snapshots: history
 /// variables, their copies for checkpoints, lists of faces, and copies of the output while files and pictures are
@@ -53,9 +53,9 @@ const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 impl SolidJob<'_> {
     /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
-    /// values, of joints, and of the copies of the fields for a checkpoint or for a snapshot, whichever is larger; plus all
-    /// snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger, since pictures are drawn
-    /// when the solver has been dropped. Freed copies stay with the allocator, so that they count in both cases. Of several
+    /// values, of joints, of one list of values by cell for a checkpoint or a picture, and of the layers of a snapshot; plus
+    /// all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger, since pictures are
+    /// drawn when the solver has been dropped. Freed lists stay with the allocator, so that they count in both cases. Of several
     /// ranks each has a share of all but the program and the boundaries: `own_share` of the
     /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
     pub(in crate::study::simulate) fn estimate_memory(
@@ -65,23 +65,17 @@ impl SolidJob<'_> {
     ) -> Bytes {
         let SolidRun { grid, output, initial_terms: initial, time, .. } = self.solid_run;
         let wide = size_of::<f64>() as f64;
-        let saved = (Medium::state_fields(&self.media).len() * self.number_size()) as f64;
         let shown = wide * self.quantity_names.len() as f64;
-        let checkpoint = 2.0 * saved + 2.0 * wide * output.integrated_components.len() as f64;
-        let dissipation = if self.yields() { DISSIPATION_NUMBERS * wide } else { 0.0 };
-        let checkpoints = LIST_EXCESS * (checkpoint + dissipation);
+        let dissipation = if self.yields() { DISSIPATION_LISTS } else { 0.0 };
+        let integrals = output.integrated_components.len() as f64;
         let has_snapshots = output.snapshot_interval > 0.0;
-        let snapshot = match has_snapshots {
-            true => SNAPSHOT_COPIES * wide * self.numbers_per_snapshot_cell() as f64,
-            false => 0.0,
-        };
+        let snapshot = if has_snapshots { SNAPSHOT_MEMORY_BYTES } else { 0.0 };
         let kept = match keeps_snapshots {
             true => snapshot_count(output.snapshot_interval, time.duration),
             false => 0.0,
         };
-        let per_cell = checkpoints.max(snapshot)
+        let per_cell = wide * (LIST_COPIES + dissipation + integrals + initial.len() as f64)
             + kept * shown
-            + wide * initial.len() as f64
             + size_of::<u16>() as f64;
         let joint_faces = self.joint_face_count() as f64;
         let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
@@ -93,6 +87,7 @@ impl SolidJob<'_> {
         let (solver, joints) = (stored_share * solver, own_share * joints);
         Bytes(
             PROGRAM_MEMORY_BYTES
+                + snapshot
                 + boundaries
                 + cells * per_cell
                 + joints
