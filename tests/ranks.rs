@@ -7,6 +7,7 @@
 
 use crate::program::*;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -238,6 +239,30 @@ fn wrong_set_ups_end_with_one_message() {
             command.args([":", "-n", "1", PROGRAM_PATH, "run", other]);
             let output = wait_for_end(command.spawn().unwrap());
             let (_, errors) = check_output(2, output, other);
+            assert!(errors.len() == 1 && errors[0].contains(part), "{errors:?}");
+        }
+        // Another program at rank 1: a byte behind the end of the file does not keep it from running.
+        let changed = folder.join("changed");
+        fs::copy(PROGRAM_PATH, &changed).unwrap();
+        fs::OpenOptions::new().append(true).open(&changed).unwrap().write_all(b"\n").unwrap();
+        let mut others = vec![(changed, "rank 1 has another program")];
+        // An empty file system hides the results folder from rank 1.
+        let private = Command::new("unshare").args(["-m", "true"]).stderr(Stdio::null()).status();
+        if private.is_ok_and(|status| status.success()) {
+            let shared = folder.join("shared");
+            fs::create_dir_all(&shared).unwrap();
+            let mount = format!("mount -t tmpfs none {} && exec \"$@\"", shared.display());
+            let hidden =
+                write_program(&folder, "hidden", &format!("unshare -m sh -c '{mount}' sh"));
+            others.push((hidden, "the results folder of rank 0 is not visible here"));
+        } else {
+            println!("skipped: file systems of one rank");
+        }
+        for (other, part) in others {
+            let arguments = "run case.toml --out shared/out";
+            let mut command = launcher.create_command(&folder, 1, arguments);
+            command.args([":", "-n", "1"]).arg(&other).args(arguments.split_whitespace());
+            let (_, errors) = check_output(2, wait_for_end(command.spawn().unwrap()), part);
             assert!(errors.len() == 1 && errors[0].contains(part), "{errors:?}");
         }
         // Rank 1 does not see the folder of cases that rank 0 sees, or sees one where rank 0 has a case.
@@ -484,9 +509,9 @@ fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
     let Some(launcher) = launchers.first() else { return };
     let load = "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = -1e6\n\
                 time = { kind = 'pulse', duration = 1e-3 }\n";
-    // 216 MB of fields, with all copies 700 MiB; two steps. MPI libraries take 350 MiB of addresses.
+    // 864 MB of fields, 216 MB per rank; two steps. MPI libraries take 350 MiB of addresses.
     let text = SPACE_CASE.split("[yield]").next().expect("a model").replace("dimensions = 3\n", "")
-        + "[grid]\ncells = [1500, 1500]\nspacing = 0.5\n[time]\nduration = 1e-3\n"
+        + "[grid]\ncells = [3000, 3000]\nspacing = 0.5\n[time]\nduration = 1e-3\n"
         + load;
     let folder = create_case_folder(TEST_FOLDER, "memory", &text);
     let limited = write_limited_program(&folder, 700_000);
@@ -503,12 +528,16 @@ fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
 
 /// Writes a program that limits its address space, KiB, and becomes the program under test; returns its path.
 fn write_limited_program(folder: &Path, limit: usize) -> PathBuf {
+    write_program(folder, "limited", &format!("ulimit -v {limit}; exec"))
+}
+
+/// Writes a program that starts the program under test by a shell command; returns its path.
+fn write_program(folder: &Path, name: &str, command: &str) -> PathBuf {
     use std::os::unix::fs::PermissionsExt;
-    let limited = folder.join("limited");
-    let script = format!("#!/bin/sh\nulimit -v {limit}\nexec {PROGRAM_PATH} \"$@\"\n");
-    fs::write(&limited, script).unwrap();
-    fs::set_permissions(&limited, fs::Permissions::from_mode(0o755)).unwrap();
-    limited
+    let path = folder.join(name);
+    fs::write(&path, format!("#!/bin/sh\n{command} {PROGRAM_PATH} \"$@\"\n")).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    path
 }
 
 /// Verifies that all ranks end, with the message of the first one, if rank 1 has no memory for its part.
