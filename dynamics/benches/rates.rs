@@ -54,12 +54,24 @@ enum MediaDistribution {
     Tails,
 }
 
+/// Shape of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    /// As many cells along each axis.
+    Cube,
+    /// All cells along one axis, one cell across, with periodic sides there.
+    Line(usize),
+    /// The same with free sides.
+    Bar(usize),
+}
+
 #[derive(Clone, Copy, Debug)]
 struct BenchmarkRow {
     dimensions: usize,
     theory: Theory,
-    /// Number of cells along each axis.
+    /// Number of cells along each axis that has more than one.
     cells_per_axis: usize,
+    shape: Shape,
     media: MediaDistribution,
     is_single_precision: bool,
     threads: usize,
@@ -73,6 +85,7 @@ impl BenchmarkRow {
             dimensions,
             theory,
             cells_per_axis,
+            shape,
             media,
             threads,
             is_reference,
@@ -81,8 +94,22 @@ impl BenchmarkRow {
         } = self;
         let bits = if self.is_single_precision { "f32" } else { "f64" };
         let plain = if *is_reference { " reference" } else { "" };
-        let name = format!("{dimensions}D {theory:?} {cells_per_axis} {media:?} {bits} {threads}t");
+        let shape = match shape {
+            Shape::Cube => String::new(),
+            Shape::Line(axis) => format!(" along-x{}", axis + 1),
+            Shape::Bar(axis) => format!(" bar-x{}", axis + 1),
+        };
+        let name =
+            format!("{dimensions}D {theory:?} {cells_per_axis}{shape} {media:?} {bits} {threads}t");
         format!("{name} {instructions:?}{plain}").to_lowercase()
+    }
+
+    /// Returns the number of cells along each axis.
+    fn cells<const D: usize>(&self) -> [usize; D] {
+        std::array::from_fn(|axis| match self.shape {
+            Shape::Line(long) | Shape::Bar(long) if axis != long => 1,
+            _ => self.cells_per_axis,
+        })
     }
 }
 
@@ -130,7 +157,7 @@ fn unit_noise(index: usize) -> f64 {
 }
 
 fn build_media_and_cells<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Vec<u16>) {
-    let count = row.cells_per_axis.pow(D as u32);
+    let count = row.cells::<D>().iter().product();
     let medium = build_medium(row.theory, D, 1.0);
     let two_media = vec![medium.clone(), build_medium(row.theory, D, 0.6)];
     let yielding = |strength: f64| {
@@ -262,8 +289,11 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
         },
         ..Scheme::new(slopes, PlasticStep::ReturnMapping)
     };
-    let boundaries = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let grid = Grid { cells: [row.cells_per_axis; D], spacing: [0.1; D] };
+    let boundaries = std::array::from_fn(|axis| match row.shape {
+        Shape::Line(long) if axis != long => [Boundary::Periodic, Boundary::Periodic],
+        _ => [Boundary::Free, Boundary::Free],
+    });
+    let grid = Grid { cells: row.cells(), spacing: [0.1; D] };
     let mut problem =
         Problem::new(grid, media, cell_media, boundaries, 0.9 * 2.0 * 0.1 / speed, scheme);
     if matches!(row.media, MediaDistribution::Polar | MediaDistribution::PolarPorous) {
@@ -369,6 +399,7 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
                 dimensions,
                 theory,
                 cells_per_axis,
+                shape: Shape::Cube,
                 media,
                 is_single_precision,
                 threads,
@@ -423,6 +454,25 @@ fn benchmark_rows() -> Vec<BenchmarkRow> {
                         ..row
                     });
                 }
+            }
+        }
+    }
+    for (dimensions, theory) in
+        [2, 3].into_iter().flat_map(|own| [(own, Theory::Classical), (own, Theory::Cosserat)])
+    {
+        for axis in 0..dimensions {
+            for shape in [Shape::Line(axis), Shape::Bar(axis)] {
+                rows.extend([1, 2].map(|threads| BenchmarkRow {
+                    dimensions,
+                    theory,
+                    cells_per_axis: 1_000_000,
+                    shape,
+                    media,
+                    is_single_precision,
+                    threads,
+                    is_reference,
+                    instructions,
+                }));
             }
         }
     }
