@@ -7,6 +7,9 @@
 //! Along the last axis, layers are exchanged during the pass. The upper halo is received last: a subdomain can
 //! therefore be almost one block of rows ahead of its upper neighbour, and short delays do not propagate. Along the
 //! other axes the exchange precedes the pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
+//!
+//! A grid of few long rows is cut along them, into several subdomains for each thread: a few steps of each fit in the
+//! cache. Such a thread sends the halos of all its subdomains before it advances the first of them.
 
 mod channels;
 pub mod communicator;
@@ -23,7 +26,6 @@ mod values;
 
 use crate::simd::InstructionSet;
 use crate::solid::axis_permutation::AxisPermutation;
-use crate::solid::boundary::Boundary;
 use crate::solid::domain::{Domain, SolverReal};
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::region::Region;
@@ -31,7 +33,7 @@ use crate::solid::snapshot::StatePart;
 use channels::{Channels, Disconnected};
 use communicator::Communicator;
 use models::solid::waves::SolidField;
-use plan::uniform_cuts;
+use plan::{min_part_cells, uniform_cuts};
 use ranks::{Owner, Ranks};
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,6 +45,15 @@ pub use rank_plan::{RankCounts, RankPart, RankPlan};
 pub use threads::ThreadStartError;
 #[doc(hidden)]
 pub use threads::ThreadStarter;
+
+/// Smallest number of rows that pass the stages of a step in tiles, a few rows at a time in the cache.
+const MIN_TILED_ROWS: usize = 8;
+
+/// Size of the fields of a subdomain that passes a step in the private cache of a core, bytes.
+const CACHED_PART_BYTES: usize = 1 << 19;
+
+/// Smallest number of cells that a thread advances where the grid is cut along rows: two steps take some ten microseconds.
+const MIN_THREAD_CELLS: usize = 2048;
 
 /// A subdomain with its halo, channels and records.
 struct Subdomain<T: SolverReal, const D: usize> {
@@ -56,18 +67,26 @@ struct Subdomain<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> Subdomain<T, D> {
-    fn advance(&mut self, steps: usize) -> Result<(), Disconnected> {
-        let Self { domain, channels, records, .. } = self;
+    /// Advances the subdomains of a thread.
+    fn advance_all(subdomains: &mut [Self], steps: usize) -> Result<(), Disconnected> {
         // A panic drops the channels, so that receiving fails in the neighbouring threads instead of blocking.
-        let mut own_channels = std::mem::take(channels);
+        let mut channels: Vec<_> =
+            subdomains.iter_mut().map(|own| std::mem::take(&mut own.channels)).collect();
         let mut remaining = steps;
         while remaining > 0 {
-            let steps = remaining.min(domain.max_pass_steps());
-            domain.advance_pass(steps, &mut own_channels)?;
-            domain.drain_records(records);
+            let steps = remaining.min(subdomains[0].domain.max_pass_steps());
+            for (own, channels) in subdomains.iter_mut().zip(&mut channels) {
+                own.domain.begin_pass(channels)?;
+            }
+            for (own, channels) in subdomains.iter_mut().zip(&mut channels) {
+                own.domain.complete_pass(steps, channels)?;
+                own.domain.drain_records(&mut own.records);
+            }
             remaining -= steps;
         }
-        *channels = own_channels;
+        for (own, channels) in subdomains.iter_mut().zip(channels) {
+            own.channels = channels;
+        }
         Ok(())
     }
 
@@ -91,6 +110,8 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
 /// the rank, a box of the grid; sums and places are the same at all ranks, and records of cells are complete at the root.
 pub struct DecomposedDomain<T: SolverReal, const D: usize> {
     subdomains: Vec<Subdomain<T, D>>,
+    /// Number of consecutive subdomains that a thread advances; several only if all cuts are across the first axis.
+    subdomains_per_thread: usize,
     /// Permutation from the axes of the problem to those of the subdomains.
     permutation: AxisPermutation<D>,
     /// Number of cells of the whole grid along each permuted axis.
@@ -112,14 +133,30 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::with_first_axis(0, problem, count)
     }
 
-    /// Returns the maximum number of subdomains along the last axis of a domain with `first_axis` swept first.
+    /// Returns the number of threads that [`with_first_axis`](Self::with_first_axis) can use, fewer where they would
+    /// spend more time on messages than on cells.
     pub fn max_subdomains(first_axis: usize, problem: &Problem<D>) -> usize {
-        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
-        (permutation.permute_grid(&problem.grid).cells[D - 1] / problem.pass_limits().halo).max(1)
+        let (axis, room) = Self::choose_cut_axis(first_axis, problem, usize::MAX);
+        let useful = if axis == 0 { problem.grid.count() / MIN_THREAD_CELLS } else { room };
+        useful.clamp(1, room)
     }
 
-    /// Creates a domain at rest in `count` subdomains, with `axis` swept first. The other axes keep their order; the
-    /// domain is decomposed along the last of them.
+    /// Returns the axis of the domain across which it is cut for at most `count` threads, and their maximum number: the
+    /// last axis, unless it is too short for so many, and another one has room for more; the first axis if there are so
+    /// few rows that they are not tiled.
+    fn choose_cut_axis(first_axis: usize, problem: &Problem<D>, count: usize) -> (usize, usize) {
+        let permutation = AxisPermutation::with_rows(first_axis, problem);
+        let cells = permutation.permute_grid(&problem.grid).cells;
+        let room = |axis: usize| cells[axis] / min_part_cells(axis, problem.pass_limits());
+        let has_few_rows = cells[1..].iter().product::<usize>() < MIN_TILED_ROWS;
+        let axes = if has_few_rows { 0..1 } else { 0..D };
+        let by_axis = axes.map(|axis| (axis, room(axis).clamp(1, count.max(1))));
+        by_axis.max_by_key(|own| own.1).unwrap_or((D - 1, 1))
+    }
+
+    /// Creates a domain at rest for `count` threads, with `axis` swept first. The other axes keep their order; the domain
+    /// is decomposed along the last of them or, if that is too short, along that with the most room. Few long rows are cut
+    /// into more subdomains than threads, so that each passes a step in the cache.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -128,11 +165,20 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         problem: &Problem<D>,
         count: usize,
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
+        let permutation = AxisPermutation::with_rows(axis, problem);
+        let grid = permutation.permute_grid(&problem.grid);
         let mut counts = [1; D];
-        counts[D - 1] = count;
-        let cuts = uniform_cuts(&permutation.permute_grid(&problem.grid), counts);
-        Self::with_permuted_cuts(problem, permutation, &cuts, None)
+        let (cut_axis, _) = Self::choose_cut_axis(axis, problem, count);
+        let mut per_thread = 1;
+        if cut_axis == 0 && count > 0 {
+            let bytes = grid.count() * problem.fields().len() * size_of::<T>();
+            let room = grid.cells[0] / min_part_cells(0, problem.pass_limits());
+            per_thread = bytes.div_ceil(count * CACHED_PART_BYTES).min(room / count).max(1);
+        }
+        counts[cut_axis] = count * per_thread;
+        let cuts = uniform_cuts(&grid, counts);
+        let own = Self::with_permuted_cuts(problem, permutation, &cuts, None)?;
+        Ok(Self { subdomains_per_thread: per_thread, ..own })
     }
 
     /// Creates a domain at rest, with `subdomain_counts` subdomains along each axis of the problem and with
@@ -145,7 +191,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         problem: &Problem<D>,
         subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
+        let permutation = AxisPermutation::with_rows(first_axis, problem);
         let counts = permutation.permute_axis_values(subdomain_counts);
         let cuts = uniform_cuts(&permutation.permute_grid(&problem.grid), counts);
         Self::with_permuted_cuts(problem, permutation, &cuts, None)
@@ -189,10 +235,11 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         cuts: &[Vec<usize>; D],
         ranks: Option<(Arc<dyn Communicator>, usize)>,
     ) -> Result<Self, DomainError> {
+        let is_alternating = problem.scheme.is_alternating();
         let problem = &permutation.check_and_permute(problem)?;
-        let is_periodic = problem.boundaries.each_ref().map(is_periodic);
+        let wraps_around = std::array::from_fn(|axis| problem.wraps_around(axis));
         let plan =
-            Decomposition::with_cuts(&problem.grid, is_periodic, problem.pass_limits(), cuts)?;
+            Decomposition::with_cuts(&problem.grid, wraps_around, problem.pass_limits(), cuts)?;
         let (rank, threads) = match &ranks {
             Some((communicator, threads)) => (communicator.rank(), *threads),
             None => (0, plan.regions().len()),
@@ -206,8 +253,11 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let create_subdomain = |index: &usize| {
             let region = &plan.regions()[*index];
             let restricted = problem.restrict_to(region);
+            let mut domain = Domain::new_unchecked(&restricted, region, plan.max_pass_steps())?;
+            let before_first = permutation.idle_axes_before_first();
+            domain.set_idle_axes_before_first(before_first, is_alternating);
             Ok(Subdomain {
-                domain: Domain::new_unchecked(&restricted, region, plan.max_pass_steps())?,
+                domain,
                 region: region.clone(),
                 channels: Channels::default(),
                 watched_cells: Vec::new(),
@@ -250,6 +300,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Ok(Self {
             own_cells: ranks::enclose_regions(regions()),
             subdomains,
+            subdomains_per_thread: 1,
             permutation,
             cells: problem.grid.cells,
             watched_cell_count: 0,
@@ -272,7 +323,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Advances all fields by `steps` time steps: a single subdomain on the calling thread, several on a thread each.
+    /// Advances all fields by `steps` time steps: subdomains of a single thread on the calling thread, others on several.
     ///
     /// # Errors
     /// A thread cannot be started; the state is unchanged.
@@ -288,16 +339,17 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         steps: usize,
     ) -> Result<(), ThreadStartError> {
         // A neighbour's thread ends early only by a panic, which the scope propagates.
-        if let [subdomain] = self.subdomains.as_mut_slice() {
-            let _ = subdomain.advance(steps);
-            return Ok(());
-        }
-        let task = |subdomain| {
+        let task = |subdomains| {
             move || {
-                let _ = Subdomain::advance(subdomain, steps);
+                let _ = Subdomain::advance_all(subdomains, steps);
             }
         };
-        let started = run_concurrently(starter, self.subdomains.iter_mut().map(task));
+        if self.subdomains.len() <= self.subdomains_per_thread {
+            task(&mut self.subdomains)();
+            return Ok(());
+        }
+        let of_threads = self.subdomains.chunks_mut(self.subdomains_per_thread);
+        let started = run_concurrently(starter, of_threads.map(task));
         if let (Err(error), Some(ranks)) = (&started, &self.ranks) {
             // The other ranks have begun, and wait for messages of this one.
             ranks.communicator.abort(&error.to_string());
@@ -312,9 +364,11 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the part of the state that this process holds.
     pub fn state_part(&self) -> StatePart {
+        let lists = self.permutation.of_lists();
+        let cells = self.permutation.unpermute_axis_values(self.cells);
         StatePart {
-            grid_cells: self.cells.to_vec(),
-            cells: self.own_cells.to_vec(),
+            grid_cells: lists.permute_axis_values(cells).to_vec(),
+            cells: lists.permute_axis_ranges(&self.own_cells()).to_vec(),
             interlayers: self.own_interlayers(),
         }
     }
@@ -340,9 +394,4 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
             self.subdomains.first().map_or(0, |subdomain| subdomain.domain.integral_count());
         self.fields().len() + integrals
     }
-}
-
-/// Returns whether the boundaries at both ends of an axis are periodic.
-fn is_periodic(boundaries: &[Boundary; 2]) -> bool {
-    boundaries[0] == Boundary::Periodic
 }

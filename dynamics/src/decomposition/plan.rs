@@ -1,8 +1,9 @@
 //! Decomposition plan: subdomains of a grid and their neighbours.
 //!
-//! The positions of the cuts along the axes are given. A process decomposes its cells along the last axis alone, with
-//! one subdomain per thread: [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis). Several
-//! ranks decompose the grid along all axes: [`RankPlan`](super::RankPlan).
+//! The positions of the cuts along the axes are given. A process decomposes its cells along one axis alone, as a rule the
+//! last one, with one subdomain per thread:
+//! [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis). Several ranks decompose the grid along
+//! all axes: [`RankPlan`](super::RankPlan).
 
 use super::ranks::Owner;
 use crate::solid::domain::max_pass_steps;

@@ -7,7 +7,6 @@
 //! last axis into one subdomain per thread by the same rule. Results do not depend on the cuts.
 
 use super::communicator::Communicator;
-use super::is_periodic;
 use super::messages::{append_indices, take_indices};
 use super::plan::{
     Decomposition, cut_by_work, fits, min_part_cells, plan_rank_counts, uniform_cuts,
@@ -78,8 +77,8 @@ impl<const D: usize> RankPlan<D> {
     ) -> Result<Self, DomainError> {
         let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
         let grid = permutation.permute_grid(&problem.grid);
-        let is_periodic =
-            permutation.permute_axis_values(problem.boundaries.each_ref().map(is_periodic));
+        let wraps_around = std::array::from_fn(|axis| problem.wraps_around(axis));
+        let is_periodic = permutation.permute_axis_values(wraps_around);
         let (limits, ranks) = (problem.pass_limits(), counts.ranks);
         let mut part_counts = match &counts.parts {
             None => plan_rank_counts(&grid, is_periodic, limits, ranks)?,

@@ -123,13 +123,18 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.subdomains.first().map_or(0.0, |subdomain| subdomain.domain.grid().volume())
     }
 
-    /// Calls `evaluate` for each subdomain: a single one on the calling thread, several on a thread each if it starts.
+    /// Calls `evaluate` for each subdomain, those of a single thread on the calling thread, others on several if they
+    /// start.
     fn map_subdomains<V: Send>(&self, evaluate: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
-        if let [subdomain] = self.subdomains.as_slice() {
-            return vec![evaluate(&subdomain.domain)];
+        let domains: Vec<&Domain<T, D>> = self.subdomains.iter().map(|own| &own.domain).collect();
+        let evaluate_all = |domains: &[&Domain<T, D>]| -> Vec<V> {
+            domains.iter().map(|domain| evaluate(domain)).collect()
+        };
+        if domains.len() <= self.subdomains_per_thread {
+            return evaluate_all(&domains);
         }
-        let domains = self.subdomains.iter().map(|subdomain| &subdomain.domain);
-        evaluate_each(&mut SystemThreads, domains, evaluate)
+        let of_threads = domains.chunks(self.subdomains_per_thread);
+        evaluate_each(&mut SystemThreads, of_threads, evaluate_all).into_iter().flatten().collect()
     }
 
     /// Returns field and cell of a non-finite value (for interlayers, the cell above the face); `None` if all are

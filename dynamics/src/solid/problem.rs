@@ -200,6 +200,21 @@ impl<const D: usize> Problem<D> {
         axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
     }
 
+    /// Whether sweeps along an axis change nothing: on a periodic axis of one cell all faces have the same state. Laws of
+    /// faces may act there: interlayers, contacts.
+    pub(crate) fn is_idle(&self, axis: usize) -> bool {
+        self.grid.cells[axis] == 1
+            && self.boundaries[axis][0] == Boundary::Periodic
+            && self.interlayers.is_empty()
+            && self.metric.is_none()
+            && !self.has_contacts()
+    }
+
+    /// Whether a sweep along an axis passes from one end of the grid to the other: the axis is periodic and not idle.
+    pub(crate) fn wraps_around(&self, axis: usize) -> bool {
+        self.boundaries[axis][0] == Boundary::Periodic && !self.is_idle(axis)
+    }
+
     /// Returns the index of the medium of a cell.
     pub fn medium_index(&self, cell: usize) -> usize {
         let index = match &self.medium_function {

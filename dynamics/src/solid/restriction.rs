@@ -6,11 +6,11 @@ use crate::solid::region::Region;
 use std::borrow::Cow;
 
 impl<const D: usize> Problem<D> {
-    /// Returns the region of the whole grid for passes of `max_pass_steps` steps; on a periodic last axis it has a halo
-    /// of copies of the layers at the opposite end.
+    /// Returns the region of the whole grid for passes of `max_pass_steps` steps; on a periodic last axis that is not
+    /// idle it has a halo of copies of the layers at the opposite end.
     pub(crate) fn whole_region(&self, max_pass_steps: usize) -> Region<D> {
-        let is_periodic = self.boundaries[D - 1][0] == Boundary::Periodic;
-        let width = if is_periodic { max_pass_steps * self.scheme.slopes.halo() } else { 0 };
+        let width =
+            if self.wraps_around(D - 1) { max_pass_steps * self.scheme.slopes.halo() } else { 0 };
         let cells = self.grid.cells;
         let halo = std::array::from_fn(|axis| [if axis + 1 == D { width } else { 0 }; 2]);
         Region::new(cells, cells.map(|count| 0..count), halo)

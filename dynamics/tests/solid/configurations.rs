@@ -45,7 +45,7 @@ fn add_interlayers<const D: usize>(random: &mut NoiseSequence, problem: &mut Pro
     }
 }
 
-fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
+pub fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
     let theory = random.choose(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
     let (can_yield, can_relax) = (!random.is_one_in(4), random.is_one_in(3));
     let medium = |random: &mut NoiseSequence| {
@@ -190,9 +190,19 @@ pub fn random_problem_with_media<const D: usize>(
         cells: std::array::from_fn(|axis| random.choose(lengths(axis))),
         spacing: std::array::from_fn(|_| random.choose(&[0.1, 0.1, 0.13])),
     };
+    random_problem_in_grid(random, media, grid, [false; D])
+}
+
+/// Returns a random problem in a grid with given media; `is_periodic`: axes that must be periodic.
+pub fn random_problem_in_grid<const D: usize>(
+    random: &mut NoiseSequence,
+    media: Vec<Medium>,
+    grid: Grid<D>,
+    is_periodic: [bool; D],
+) -> Problem<D> {
     let count = grid.count();
     let medium_of_cell = random_cell_media(random, grid.cells, media.len());
-    let boundaries = std::array::from_fn(|axis| match random.is_one_in(3) {
+    let boundaries = std::array::from_fn(|axis| match is_periodic[axis] || random.is_one_in(3) {
         true => [Boundary::Periodic, Boundary::Periodic],
         false => [0, 1].map(|_| random_boundary(random, &media, &grid, axis)),
     });

@@ -14,6 +14,7 @@ mod decomposition;
 mod domain;
 mod energy;
 mod guided_wave;
+mod idle_axes;
 mod interlayers;
 mod ledger;
 mod line;

@@ -273,5 +273,5 @@ fn reflecting_boundaries_select_the_first_axis() {
     assert!(whole.snapshot() == resumed.snapshot());
     assert!(whole.energy().total() > 0.0);
     assert_eq!(DecomposedDomain::<f64, 3>::max_subdomains(2, &problem), 3);
-    assert_eq!(DecomposedDomain::<f64, 3>::max_subdomains(0, &problem), 2);
+    assert_eq!(DecomposedDomain::<f64, 3>::max_subdomains(0, &problem), 3);
 }

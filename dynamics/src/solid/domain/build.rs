@@ -6,6 +6,7 @@ use super::contacts::LaneContacts;
 use super::curvilinear::{CurvatureRotations, RowConstants};
 use super::diagnostics::Diagnostics;
 use super::fluid::FluidStage;
+use super::idle_axes::IdleAxes;
 use super::interlayer_faces::LaneInterlayers;
 use super::lane_laws::{LaneLaws, has_coupled_fields, rotated_field_offsets};
 use super::layout::{Layout, groups_per_row, pitch};
@@ -14,7 +15,6 @@ use super::schedule::{CHUNK_SIZE, Schedule, TileSizes};
 use super::sources::{CellSource, Sources};
 use super::{Domain, SolverReal};
 use crate::simd::{InstructionSet, LaneGroup, Real};
-use crate::solid::boundary::Boundary;
 use crate::solid::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use crate::solid::region::Region;
 use crate::solid::shear_steps::ShearSteps;
@@ -92,7 +92,7 @@ fn is_periodic_in_place<const D: usize>(
     region: &Region<D>,
     axis: usize,
 ) -> bool {
-    problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
+    problem.wraps_around(axis) && region.halo(axis) == [0, 0]
 }
 
 /// Selects the tile sizes of a region.
@@ -181,6 +181,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             grid: Grid { cells: region.owned_counts(), spacing: problem.grid.spacing },
             step: problem.step,
             scheme: Scheme { slopes: problem.scheme.sweep_slopes(), ..problem.scheme },
+            halves_cell_laws: problem.scheme.is_alternating(),
+            idle_axes: IdleAxes::new(problem),
             shear_steps: ShearSteps::new(problem),
             instructions: InstructionSet::widest(),
             boundaries: Boundaries::new(problem, region, &layout, max_pass_steps),

@@ -158,20 +158,44 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Exchanges the halo along all axes but the last one.
+    /// Sends what the neighbours along the first axis need in the next pass. It depends on no message: subdomains of the
+    /// same thread that have neighbours along that axis only can begin a pass one after the other, then complete it.
+    ///
+    /// # Errors
+    /// The neighbours cannot be reached.
+    pub(crate) fn begin_pass<H: HaloExchange<T::Lanes>>(
+        &mut self,
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
+        self.send_halo(0, neighbours)
+    }
+
+    /// Sends the halos of the neighbours along an axis other than the last one.
+    fn send_halo<H: HaloExchange<T::Lanes>>(
+        &mut self,
+        axis: usize,
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
+        let halo = self.layout.halo(axis);
+        for end in (0..2).filter(|end| halo[*end] > 0) {
+            self.pack(&self.layout.halo_box(axis, end, true), |buffer| {
+                neighbours.send(axis, end, buffer, std::iter::once(0..buffer.len()))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Exchanges the halo along all axes but the last one; along the first one it has been sent.
     pub(super) fn exchange_halo<H: HaloExchange<T::Lanes>>(
         &mut self,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
         for axis in 0..D - 1 {
-            let halo = self.layout.halo(axis);
-            let ends = || (0..2).filter(|end| halo[*end] > 0);
-            for end in ends() {
-                self.pack(&self.layout.halo_box(axis, end, true), |buffer| {
-                    neighbours.send(axis, end, buffer, std::iter::once(0..buffer.len()))
-                })?;
+            if axis > 0 {
+                self.send_halo(axis, neighbours)?;
             }
-            for end in ends() {
+            let halo = self.layout.halo(axis);
+            for end in (0..2).filter(|end| halo[*end] > 0) {
                 self.unpack(&self.layout.halo_box(axis, end, false), |buffer| {
                     let whole_buffer = 0..buffer.len();
                     neighbours.receive(axis, end, buffer, std::iter::once(whole_buffer))

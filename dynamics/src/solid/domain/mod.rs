@@ -8,6 +8,7 @@
 //! | `materials`, `material_table` | media by lane pattern, wave constants and energy coefficients |
 //! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts of rows and lines |
 //! | `sweep` | sweeps by axis and the work done at boundaries |
+//! | `idle_axes` | what is left of sweeps along axes of one cell |
 //! | `lane_laws`, `cell_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flushing |
 //! | `stress_mapping` | return mapping: dispatch to the following three; scalar formulas: `models::yield_set` |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |
@@ -57,6 +58,7 @@ mod diagnostics;
 mod fluid;
 mod ghost_kernels;
 mod halo;
+mod idle_axes;
 mod interlayer_faces;
 mod interlayers;
 mod kernel;
@@ -96,6 +98,7 @@ use boundaries::Boundaries;
 use buffers::Buffers;
 use diagnostics::Diagnostics;
 use fluid::FluidStage;
+use idle_axes::IdleAxes;
 use interlayer_faces::LaneInterlayers;
 use lane_laws::LaneLaws;
 use layout::Layout;
@@ -111,6 +114,9 @@ pub struct Domain<T: SolverReal, const D: usize> {
     /// Time step Δt, s.
     step: f64,
     scheme: Scheme,
+    /// Whether the cell laws act by half a step before and after the middle of the step.
+    halves_cell_laws: bool,
+    idle_axes: IdleAxes<D>,
     shear_steps: ShearSteps,
     instructions: InstructionSet,
     layout: Layout<D>,

@@ -10,8 +10,9 @@ use std::ops::Range;
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the time integrals of the problem in an owned cell, m or rad.
     pub(crate) fn time_integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
-        // Trapezoidal rule: subtracts half of the last value times Δt; alternating sweeps use the midpoint rule.
-        let last = if self.scheme.is_alternating() { 0.0 } else { 0.5 * self.step };
+        // Trapezoidal rule: subtracts half of the last value times Δt; the midpoint rule is used if the cell laws act on
+        // both sides of the middle.
+        let last = if self.halves_cell_laws { 0.0 } else { 0.5 * self.step };
         let has_steps = self.schedule.steps > 0;
         let cell = self.layout.local_cell(cell);
         self.diagnostics.time_integrals.iter().map(move |(place, sums)| match has_steps {

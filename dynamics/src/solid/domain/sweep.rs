@@ -82,13 +82,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
         match is_second {
             false => {
+                self.sweep_idle_axes_before_first(of_layer(entered), half_step);
                 self.sweep_rows(of_layer(entered), half_step);
                 self.apply_contact_laws(layer, entered);
             }
             // Completes the sweep along the last axis.
             true => self.apply_contact_laws(layer, middle),
         }
-        if D == 3 {
+        if D == 3 && !self.sweep_if_idle(1, of_layer([entered, middle][half_step % 2]), half_step) {
             let bundle = LineBundle {
                 axis: 1,
                 half_step,
@@ -105,6 +106,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         if is_second && !self.scheme.is_alternating() {
             self.sweep_rows(of_layer(last), half_step);
+            self.sweep_idle_axes_before_first(of_layer(last), half_step);
             self.apply_contact_laws(layer, last);
         }
     }
@@ -113,6 +115,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// If the scheme alternates between sweeps along the first axis and along the others, the very first sweep of the
     /// simulation is by a quarter of a step.
     pub(super) fn sweep_rows(&mut self, rows: Range<usize>, half_step: usize) {
+        if self.sweep_if_idle(0, rows.clone(), half_step) {
+            return;
+        }
         // If rows differ in cell length, they are swept one at a time, with the constants of the row.
         let chunk = if self.materials.row_constants.is_some() { 1 } else { CHUNK_SIZE };
         for start in rows.clone().step_by(chunk) {
@@ -179,6 +184,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         tile: &RowSegment,
         half_step: usize,
     ) {
+        if self.sweep_last_axis_if_idle(ready, tile, half_step) {
+            return;
+        }
         let face = tile.row * self.layout.groups + tile.groups.start;
         let bundle = LineBundle {
             axis: D - 1,

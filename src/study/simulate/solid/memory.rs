@@ -133,11 +133,12 @@ impl SolidJob<'_> {
 
     /// Returns the numbers of cells in the axis order of the solver, as
     /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
-    /// splitting the last axis with a reflecting boundary is moved to the front.
+    /// splitting the last axis with a reflecting boundary is moved to the front. If this axis is idle (one cell,
+    /// periodic, without contacts), the first one that is not is moved before it.
     fn solver_cells(&self) -> Vec<usize> {
         let SolidRun { grid, scheme, .. } = self.solid_run;
-        let mut cells = grid.cells.clone();
-        if cells.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
+        let mut axes: Vec<usize> = (0..grid.cells.len()).collect();
+        if axes.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
             let is_reflecting = |own: &FaceCondition| match own.condition {
                 BoundaryConditionKind::Free
                 | BoundaryConditionKind::Fixed
@@ -159,8 +160,22 @@ impl SolidJob<'_> {
                 })
             };
             let first = (0..3).rev().find(has_reflecting_face).unwrap_or(0);
-            cells[..=first].rotate_right(1);
+            axes[..=first].rotate_right(1);
         }
-        cells
+        let has_contacts = self.media.iter().any(|medium| medium.contact.is_some());
+        let is_periodic = |axis: usize| {
+            self.solid_run.boundary_conditions.iter().any(|own| {
+                own.face.axis == axis && matches!(own.condition, BoundaryConditionKind::Periodic)
+            })
+        };
+        let is_idle = |axis: &usize| {
+            grid.cells[*axis] == 1
+                && is_periodic(*axis)
+                && !has_contacts
+                && self.joint_face_count() == 0
+        };
+        let row = axes.iter().position(|axis| !is_idle(axis)).unwrap_or(0);
+        axes[..=row].rotate_right(1);
+        axes.into_iter().map(|axis| grid.cells[axis]).collect()
     }
 }
