@@ -72,9 +72,10 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
         // A panic drops the channels, so that receiving fails in the neighbouring threads instead of blocking.
         let mut channels: Vec<_> =
             subdomains.iter_mut().map(|own| std::mem::take(&mut own.channels)).collect();
+        let max_pass_steps = subdomains.first().map_or(1, |own| own.domain.max_pass_steps());
         let mut remaining = steps;
         while remaining > 0 {
-            let steps = remaining.min(subdomains[0].domain.max_pass_steps());
+            let steps = remaining.min(max_pass_steps);
             for (own, channels) in subdomains.iter_mut().zip(&mut channels) {
                 own.domain.begin_pass(channels)?;
             }
