@@ -514,7 +514,7 @@ fn ranks_complete_a_run_that_exceeds_the_memory_of_one() {
         + "[grid]\ncells = [3000, 3000]\nspacing = 0.5\n[time]\nduration = 1e-3\n"
         + load;
     let folder = create_case_folder(TEST_FOLDER, "memory", &text);
-    let limited = write_limited_program(&folder, 700_000);
+    let limited = write_limited_program(&folder, 900_000);
     let arguments = format!("run case.toml --out out {WITHOUT_PICTURES}");
     let mut single = Command::new(&limited);
     single.args(arguments.split_whitespace()).current_dir(&folder).stderr(Stdio::piped());

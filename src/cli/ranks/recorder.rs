@@ -167,7 +167,6 @@ impl Recorder for RankRecorder<'_, '_> {
             restore_own.borrow_mut()();
         });
         // The error of the root's file precedes that of its recorder, which follows from it.
-        drop(restore_own);
         match failure {
             Some(failure) if self.recorder.is_some() => return Err(failure.into()),
             _ => started?,

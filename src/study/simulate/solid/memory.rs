@@ -14,9 +14,10 @@ use dynamics::medium::Medium;
 /// Memory of the program during a simulation, bytes, by measurement.
 const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
 
-/// Memory for drawing one picture, bytes, by measurement; the pictures are drawn one after the other, when the solver
-/// has been dropped.
-const PICTURE_MEMORY_BYTES: f64 = 46.0 * 1048576.0;
+/// Memory for drawing one picture, bytes, and bytes per cell, by measurement; the pictures are drawn one after the other,
+/// when the solver has been dropped.
+const PICTURE_MEMORY_BYTES: f64 = 55.0 * 1048576.0;
+const PICTURE_BYTES_PER_CELL: f64 = 46.0;
 
 /// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
 const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
@@ -37,10 +38,9 @@ const PADDING_LANES: usize = 10;
 
 /// Memory while snapshots are written, bytes, by measurement: some layers of cells with all arrays, their encoded values,
 /// and compressed values.
-const SNAPSHOT_MEMORY_BYTES: f64 = 24.0 * 1048576.0;
+const SNAPSHOT_MEMORY_BYTES: f64 = 12.0 * 1048576.0;
 
-/// Lists with a value by cell that are in memory besides the state, by measurement: one as a checkpoint is written, or as a
-/// picture is drawn.
+/// Lists with a value by cell that are in memory besides the state, by measurement: one as a checkpoint is written.
 const LIST_COPIES: f64 = 1.17;
 
 /// Lists with the plastic dissipation by cell in the solver, by measurement.
@@ -53,9 +53,9 @@ const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 impl SolidJob<'_> {
     /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
-    /// values, of joints, of one list of values by cell for a checkpoint or a picture, and of the layers of a snapshot; plus
-    /// all snapshots if `keeps_snapshots` is set; plus the solver or a picture, whichever is larger, since pictures are
-    /// drawn when the solver has been dropped. Freed lists stay with the allocator, so that they count in both cases. Of several
+    /// values, and of joints; plus all snapshots if `keeps_snapshots` is set; plus the solver with one list of values by cell
+    /// for a checkpoint and the layers of a snapshot, or a picture, whichever is larger, since pictures are drawn when the
+    /// solver has been dropped. Of several
     /// ranks each has a share of all but the program and the boundaries: `own_share` of the
     /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
     pub(in crate::study::simulate) fn estimate_memory(
@@ -74,9 +74,7 @@ impl SolidJob<'_> {
             true => snapshot_count(output.snapshot_interval, time.duration),
             false => 0.0,
         };
-        let per_cell = wide * (LIST_COPIES + dissipation + integrals + initial.len() as f64)
-            + kept * shown
-            + size_of::<u16>() as f64;
+        let per_cell = wide * initial.len() as f64 + kept * shown + size_of::<u16>() as f64;
         let joint_faces = self.joint_face_count() as f64;
         let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
@@ -85,13 +83,14 @@ impl SolidJob<'_> {
         // All ranks have the values at boundaries.
         let cells = own_share * grid.cell_count() as f64;
         let (solver, joints) = (stored_share * solver, own_share * joints);
+        let lists = cells * wide * (LIST_COPIES + dissipation + integrals);
+        let pictures = PICTURE_MEMORY_BYTES + joint_pictures + cells * PICTURE_BYTES_PER_CELL;
         Bytes(
             PROGRAM_MEMORY_BYTES
-                + snapshot
                 + boundaries
                 + cells * per_cell
                 + joints
-                + solver.max(PICTURE_MEMORY_BYTES + joint_pictures),
+                + (solver + lists + snapshot).max(pictures),
         )
     }
 
