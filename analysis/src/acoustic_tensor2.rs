@@ -20,6 +20,7 @@ use models::common::rates::RateEquations;
 use nalgebra::{DMatrix, Matrix3};
 use num_complex::Complex64;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Number of sampled directions over half a turn.
 const DIRECTION_COUNT: usize = 360;
@@ -71,14 +72,14 @@ impl AcousticTensor2 {
     /// Squared characteristic speeds c² with the wave normal (cos θ, sin θ), m²/s², by descending real part; one for
     /// each velocity that carries waves.
     pub fn squared_speeds(&self, theta: f64) -> Vec<Complex64> {
-        let (values, size) = self.eigenvalues(theta);
+        let (values, size) = self.eigenvalues(unit_vector(theta));
         let mut values = values[..size].to_vec();
         values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
         values
     }
 
-    fn eigenvalues(&self, theta: f64) -> ([Complex64; 3], usize) {
-        let (sin, cos) = theta.cr_sin_cos();
+    /// Squared speeds, in no order, with the wave normal (`cos`, `sin`), and their number.
+    fn eigenvalues(&self, [cos, sin]: [f64; 2]) -> ([Complex64; 3], usize) {
         let [first, mixed, last] = &self.terms;
         let gamma = first * (cos * cos) + mixed * (cos * sin) + last * (sin * sin);
         let pair = |a: f64, b: f64, c: f64, d: f64| {
@@ -102,42 +103,64 @@ impl AcousticTensor2 {
         ([all[0], all[1], all[2]], 3)
     }
 
+    /// Whether c² is complex beyond rounding.
+    fn is_complex(&self, squared_speed: Complex64) -> bool {
+        squared_speed.im * squared_speed.im
+            > FLUTTER_TOLERANCE * self.max_squared_speed * self.max_squared_speed
+    }
+
     /// Strongest flutter at `theta`: largest |Im c|, m/s, with its c², m²/s²; zero if no c² is complex beyond rounding.
     fn strongest_flutter(&self, theta: f64) -> (f64, Complex64) {
-        let (values, size) = self.eigenvalues(theta);
-        let is_complex = |value: &&Complex64| {
-            value.im * value.im
-                > FLUTTER_TOLERANCE * self.max_squared_speed * self.max_squared_speed
-        };
-        values[..size]
+        let (values, size) = self.eigenvalues(unit_vector(theta));
+        self.strongest_of(&values[..size])
+    }
+
+    /// Largest |Im c| of these squared speeds, with its c².
+    fn strongest_of(&self, squared_speeds: &[Complex64]) -> (f64, Complex64) {
+        squared_speeds
             .iter()
-            .filter(is_complex)
+            .filter(|value| self.is_complex(**value))
             .map(|value| (value.sqrt().im.abs(), *value))
             .fold((0.0, Complex64::from(0.0)), |a, b| if b.0 > a.0 { b } else { a })
     }
 
     /// Smallest real c² at `theta`, m²/s²; infinite if all are complex.
     fn smallest_squared_speed(&self, theta: f64) -> f64 {
-        let (values, size) = self.eigenvalues(theta);
-        let is_real = |value: &&Complex64| {
-            value.im * value.im
-                <= FLUTTER_TOLERANCE * self.max_squared_speed * self.max_squared_speed
-        };
-        values[..size].iter().filter(is_real).map(|value| value.re).fold(f64::INFINITY, f64::min)
+        let (values, size) = self.eigenvalues(unit_vector(theta));
+        self.smallest_of(&values[..size])
+    }
+
+    /// Smallest real c² of these squared speeds.
+    fn smallest_of(&self, squared_speeds: &[Complex64]) -> f64 {
+        let is_real = |value: &&Complex64| !self.is_complex(**value);
+        squared_speeds.iter().filter(is_real).map(|value| value.re).fold(f64::INFINITY, f64::min)
     }
 
     /// Strongest flutter and slowest wave over all directions; `hints` (rad) are sampled in addition to the grid.
     pub fn search_extremes(&self, hints: &[f64]) -> WaveExtremes {
-        let angles: Vec<f64> = sample_angles().chain(hints.iter().copied()).collect();
         let normal = |theta: f64| [theta.cr_cos(), theta.cr_sin(), 0.0];
-        let strongest = maximise_over_angles(|theta| self.strongest_flutter(theta).0, &angles);
+        // Largest |Im c| and largest −c², each with its angle.
+        let mut best = [(f64::NEG_INFINITY, 0.0); 2];
+        let hinted = hints.iter().map(|&angle| (angle, unit_vector(angle)));
+        for (angle, direction) in sample_angles().zip(*SAMPLE_VECTORS).chain(hinted) {
+            let (values, size) = self.eigenvalues(direction);
+            let values = &values[..size];
+            for (best, here) in
+                best.iter_mut().zip([self.strongest_of(values).0, -self.smallest_of(values)])
+            {
+                if here > best.0 {
+                    *best = (here, angle);
+                }
+            }
+        }
+        let strongest = refine_maximum(|theta| self.strongest_flutter(theta).0, best[0]);
+        let slowest = refine_maximum(|theta| -self.smallest_squared_speed(theta), best[1]);
         let (max_imaginary_speed, squared_speed) = self.strongest_flutter(strongest);
         let flutter = (max_imaginary_speed > 0.0).then(|| Flutter {
             max_imaginary_speed,
             squared_speed,
             normal: normal(strongest),
         });
-        let slowest = maximise_over_angles(|theta| -self.smallest_squared_speed(theta), &angles);
         let slowest = SlowestSpeed {
             squared_speed: self.smallest_squared_speed(slowest),
             normal: normal(slowest),
@@ -208,16 +231,21 @@ fn sample_angles() -> impl Iterator<Item = f64> {
     (0..DIRECTION_COUNT).map(|i| PI * i as f64 / DIRECTION_COUNT as f64)
 }
 
-/// Angle of the maximum of `value`: the best of `angles`, refined by golden sections between its neighbours.
-fn maximise_over_angles(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
+/// (cos θ, sin θ) of the sampled directions.
+static SAMPLE_VECTORS: LazyLock<[[f64; 2]; DIRECTION_COUNT]> = LazyLock::new(|| {
+    let mut vectors = [[0.0; 2]; DIRECTION_COUNT];
+    vectors.iter_mut().zip(sample_angles()).for_each(|(own, theta)| *own = unit_vector(theta));
+    vectors
+});
+
+fn unit_vector(theta: f64) -> [f64; 2] {
+    let (sin, cos) = theta.cr_sin_cos();
+    [cos, sin]
+}
+
+/// Angle of the maximum of `value`: the best sample (value, angle), refined by golden sections between its neighbours.
+fn refine_maximum(value: impl Fn(f64) -> f64, (best, at): (f64, f64)) -> f64 {
     let step = PI / DIRECTION_COUNT as f64;
-    let (mut best, mut at) = (f64::NEG_INFINITY, 0.0);
-    for &angle in angles {
-        let here = value(angle);
-        if here > best {
-            (best, at) = (here, angle);
-        }
-    }
     let refined = argmax_unimodal(&value, at - step, at + step);
     if value(refined) > best { refined } else { at }
 }
