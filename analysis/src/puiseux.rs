@@ -171,7 +171,11 @@ fn find_multiple_root(
 
 /// Binomial coefficient n over k.
 pub(crate) fn binomial(n: usize, k: usize) -> f64 {
-    (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+    match k {
+        0 => 1.0,
+        1 => n as f64,
+        _ => (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64),
+    }
 }
 
 /// Sums terms of equal powers and drops those that may be zero.

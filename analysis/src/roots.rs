@@ -39,6 +39,9 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
             }
         }
         _ => {
+            if let Some(roots) = solve_even(coefficients) {
+                return roots;
+            }
             let mut start = initial_guesses(coefficients, &[]);
             let moduli: StackList<f64> = coefficients.iter().map(|c| c.modulus()).collect();
             iterate_aberth(&mut start, &moduli, EVALUATION_ERROR, |x| {
@@ -46,6 +49,30 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
             })
         }
     }
+}
+
+/// The roots of a polynomial in x² as pairs ±√z of its roots z; `None` for other polynomials, and if two of the z are close:
+/// the iteration spreads close roots evenly about their mean.
+fn solve_even(coefficients: &[Complex64]) -> Option<StackList<Complex64>> {
+    /// Distance of two roots z, relative to the larger one, below which they are close.
+    const CLOSE_DISTANCE: f64 = 1e-2;
+    let is_even = coefficients.len() % 2 == 1
+        && coefficients.iter().skip(1).step_by(2).all(|c| *c == Complex64::ZERO);
+    if !is_even {
+        return None;
+    }
+    let squares: StackList<Complex64> = coefficients.iter().step_by(2).copied().collect();
+    let squares = solve(&squares);
+    let is_apart = |a: Complex64, b: Complex64| {
+        (a - b).norm_sqr() > CLOSE_DISTANCE * CLOSE_DISTANCE * a.norm_sqr().max(b.norm_sqr())
+    };
+    let are_apart = (1..squares.len())
+        .all(|last| squares[..last].iter().all(|square| is_apart(*square, squares[last])));
+    let pair = |square: &Complex64| {
+        let root = square.sqrt();
+        [root, -root]
+    };
+    are_apart.then(|| squares.iter().flat_map(pair).collect())
 }
 
 /// All roots of a polynomial with double-double coefficients, so that even ill-conditioned roots are accurate to nearly
@@ -237,6 +264,43 @@ mod tests {
                 assert!(best <= 1e-12 * w.modulus(), "{w}: off by {best:e}");
             }
         }
+    }
+
+    /// The roots of Π (x² − sᵢ) are compared with ±√sᵢ, and each with the iteration for general polynomials.
+    #[test]
+    fn roots_of_even_polynomials_are_pairs() {
+        let c = Complex64::new;
+        for squares in [
+            vec![c(2.0, 0.0), c(-3.0, 0.0)],
+            vec![c(-1e-6, 0.0), c(-4.0, 0.0)],
+            vec![c(0.3, 0.8), c(0.3, -0.8), c(-5e5, 7e2)],
+            vec![c(-1.0, 0.0), c(-1.5, 0.0), c(2.0, -1.0), c(1e3, 0.0)],
+        ] {
+            let wanted: Vec<Complex64> =
+                squares.iter().flat_map(|s| [s.sqrt(), -s.sqrt()]).collect();
+            let even = expand_product(&squares).into_iter().flat_map(|c| [c, Complex64::ZERO]);
+            let mut even: Vec<Complex64> = even.collect();
+            even.pop();
+            let general = {
+                let moduli: StackList<f64> = even.iter().map(|c| c.modulus()).collect();
+                iterate_aberth(&mut initial_guesses(&even, &[]), &moduli, EVALUATION_ERROR, |x| {
+                    evaluate_with_derivative(&even, x)
+                })
+            };
+            for found in [solve(&even), general] {
+                assert_eq!(found.len(), wanted.len());
+                for w in &wanted {
+                    let best = found.iter().map(|f| (f - w).modulus()).fold(f64::MAX, f64::min);
+                    assert!(best <= 1e-12 * w.modulus(), "{w}: off by {best:e}");
+                }
+            }
+        }
+        // Close squares are left to the iteration.
+        let close = [c(1.002, 0.0), c(0.0, 0.0), c(-2.002, 0.0), c(0.0, 0.0), c(1.0, 0.0)];
+        assert!(solve_even(&close).is_none());
+        // Imaginary roots have no spurious real part.
+        let found = solve(&[c(4.0, 0.0), c(0.0, 0.0), c(5.0, 0.0), c(0.0, 0.0), c(1.0, 0.0)]);
+        assert!(found.iter().all(|root| root.re == 0.0), "{found:?}");
     }
 
     /// Coefficients rounded by a part δ move a root of multiplicity m by about (δ |p| / |p⁽ᵐ⁾ / m!|)^(1/m).
