@@ -7,10 +7,11 @@
 //! block determinants. A granular flow has a block of the stresses and a block of the velocities.
 
 use crate::form::BinaryForm;
-use crate::list::{StackList, list};
+use crate::list::StackList;
 use crate::polynomial;
 use crate::scaling::ScaledSystem;
 use models::Rounded;
+use models::common::system::RoundedMatrix;
 use smallvec::smallvec;
 
 /// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty if the pattern has one block
@@ -25,25 +26,29 @@ pub(crate) fn factor_corner_coefficient(
     if !system.higher_terms.is_empty() {
         return StackList::new();
     }
-    // Returns the leading term of an entry: its order in k times the denominator of `slope`, and its coefficients of ς,
-    // κ₁, κ₂ and 1.
-    let leading = |i: usize, j: usize| -> Option<(i64, [Rounded; 4])> {
+    // Order in k of the leading term of an entry, times the denominator of `slope`; `None` if the entry is zero.
+    let zero = Rounded::ZERO;
+    let order = |i: usize, j: usize| -> Option<i64> {
         let at = (i, j);
-        let (a, b, c) = (system.a[at], [system.b[0][at], system.b[1][at]], system.c[at]);
-        let zero = Rounded::ZERO;
-        let wave = !(b[0].is_structural_zero() && b[1].is_structural_zero());
-        [
-            (!a.is_structural_zero(), time, [a, zero, zero, zero]),
-            (wave, space, [zero, b[0], b[1], zero]),
-            (!c.is_structural_zero(), 0, [zero, zero, zero, c]),
-        ]
-        .into_iter()
-        .filter(|(present, _, _)| *present)
-        .max_by_key(|(_, order, _)| *order)
-        .map(|(_, order, part)| (order, part))
+        let present = |matrix: &RoundedMatrix| !matrix[at].is_structural_zero();
+        let wave = present(&system.b[0]) || present(&system.b[1]);
+        let own = [(present(&system.a), time), (wave, space), (present(&system.c), 0)];
+        own.into_iter().filter(|(present, _)| *present).map(|(_, order)| order).max()
     };
-    let entries: StackList<StackList<_, 8>, 8> =
-        (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
+    // Coefficients of ς, κ₁, κ₂ and 1 of the leading term; of terms of equal order, the last.
+    let leading = |i: usize, j: usize, order: i64| -> [Rounded; 4] {
+        let at = (i, j);
+        let [a, b1, b2, c] = [system.a[at], system.b[0][at], system.b[1][at], system.c[at]];
+        if order == 0 && !c.is_structural_zero() {
+            [zero, zero, zero, c]
+        } else if order == space && !(b1.is_structural_zero() && b2.is_structural_zero()) {
+            [zero, b1, b2, zero]
+        } else {
+            [a, zero, zero, zero]
+        }
+    };
+    let orders: StackList<Option<i64>, 64> =
+        (0..n * n).map(|index| order(index / n, index % n)).collect();
 
     // `first`: by bit mask of a set of columns, the largest order of a transversal of these columns and the first rows.
     // `last`: the largest order of a transversal of the remaining columns and rows.
@@ -54,7 +59,7 @@ pub(crate) fn factor_corner_coefficient(
     for set in 0..1usize << n {
         let row = set.count_ones() as usize;
         for column in (0..n).filter(|c| set >> c & 1 == 0) {
-            if let Some((order, _)) = entries[row][column] {
+            if let Some(order) = orders[row * n + column] {
                 let with = set | 1 << column;
                 first[with] = first[with].max(first[set] + order);
             }
@@ -63,7 +68,7 @@ pub(crate) fn factor_corner_coefficient(
     for set in (0..(1usize << n) - 1).rev() {
         let row = set.count_ones() as usize;
         for column in (0..n).filter(|c| set >> c & 1 == 0) {
-            if let Some((order, _)) = entries[row][column] {
+            if let Some(order) = orders[row * n + column] {
                 last[set] = last[set].max(last[set | 1 << column] + order);
             }
         }
@@ -75,13 +80,13 @@ pub(crate) fn factor_corner_coefficient(
 
     // Entries on transversals of the largest order connect rows and columns into blocks.
     let mut block: StackList<usize, 32> = (0..2 * n).collect();
-    let mut takes_part = list![list![false; n]; n];
+    let mut takes_part: StackList<bool, 64> = smallvec![false; n * n];
     for set in 0..(1usize << n) - 1 {
         let row = set.count_ones() as usize;
         for column in (0..n).filter(|c| set >> c & 1 == 0) {
-            let Some((order, _)) = entries[row][column] else { continue };
+            let Some(order) = orders[row * n + column] else { continue };
             if first[set] + order + last[set | 1 << column] == greatest {
-                takes_part[row][column] = true;
+                takes_part[row * n + column] = true;
                 let (old, new) = (block[n + column], block[row]);
                 block.iter_mut().filter(|b| **b == old).for_each(|b| *b = new);
             }
@@ -96,15 +101,13 @@ pub(crate) fn factor_corner_coefficient(
     let factor = |name: usize| {
         let rows: StackList<usize> = (0..n).filter(|&i| block[i] == name).collect();
         let columns: StackList<usize> = (0..n).filter(|&j| block[n + j] == name).collect();
-        let terms = polynomial::block_determinant(rows.len(), |i, j| {
+        polynomial::block_determinant(rows.len(), true, |i, j| {
             let (row, column) = (rows[i], columns[j]);
-            match entries[row][column] {
-                Some((_, part)) if takes_part[row][column] => part,
+            match orders[row * n + column] {
+                Some(order) if takes_part[row * n + column] => leading(row, column, order),
                 _ => [Rounded::ZERO; 4],
             }
-        })?;
-        let mut terms = terms.into_iter();
-        terms.next().filter(|_| terms.len() == 0).map(|term| term.form)
+        })
     };
     names.into_iter().map(factor).collect::<Option<_>>().unwrap_or_default()
 }

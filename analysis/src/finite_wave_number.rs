@@ -21,7 +21,7 @@ const GENERIC_WAVE_NUMBER: f64 = 1.37e3;
 /// the growth is certain. `None` if there is no such direction, or if a term of the highest power of ς is doubtful.
 pub(crate) fn find_unbounded_direction(
     certain: &[DispersionTerm],
-    doubtful: &[DispersionTerm],
+    doubtful: &[&DispersionTerm],
 ) -> Option<(f64, bool)> {
     let highest = certain.iter().map(|t| t.time_power).max()?;
     if doubtful.iter().any(|t| t.time_power == highest) {
@@ -95,11 +95,14 @@ fn has_growing_root_at_infinity(
     highest: usize,
     zero: &FormZero,
 ) -> bool {
+    let axis = zero.axis();
     [1.0, -1.0].into_iter().any(|side: f64| {
         let mut terms = StackList::new();
         for term in certain {
             let degree = term.form.degree();
-            for (l, f) in expand_along_direction(&term.form, zero).into_iter().enumerate() {
+            for (l, f) in
+                expand_along_direction(&term.form, axis, zero.bound).into_iter().enumerate()
+            {
                 if l == 0 && term.time_power == highest {
                     continue;
                 }

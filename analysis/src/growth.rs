@@ -121,10 +121,15 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         assessment.verdict = Verdict::Indeterminate { rank: pencil.generic_rank(), unknowns };
         return assessment;
     }
-    let mut certain = pencil.polynomial.forms();
-    let doubtful: StackList<DispersionTerm, 2> =
-        certain.iter().filter(|term| !term.form.is_nonzero()).cloned().collect();
-    certain.retain(|term| term.form.is_nonzero());
+    let mut certain: StackList<DispersionTerm, 24> = StackList::new();
+    let mut doubtful: StackList<&DispersionTerm, 2> = StackList::new();
+    for term in pencil.polynomial.forms() {
+        if term.form.is_nonzero() {
+            certain.push(term.clone());
+        } else {
+            doubtful.push(term);
+        }
+    }
     let corners = newton_polygon_corners(certain.iter().map(exponents));
     let mut zeros = find_corner_zeros(pencil, &mut certain, &corners);
     let edges = find_growing_edges(&certain, &corners);
@@ -215,15 +220,18 @@ fn find_corner_zeros(
     let mut all = StackList::new();
     for (index, &corner) in corners.iter().enumerate() {
         let Some(term) = terms.iter_mut().find(|t| exponents(t) == corner) else { continue };
-        let zeros = term.form.zeros();
         let steeper = (index > 0).then(|| slope(corners[index - 1], corner));
         let flatter = corners.get(index + 1).map(|&next| slope(corner, next));
         let is_growing = |s: &Option<[i64; 2]>| s.is_some_and(|s| s[0] > 0);
-        let is_close = zeros.iter().any(|z| !z.has_sign_change)
-            || sectors_between(&zeros)
-                .iter()
-                .any(|(left, right)| right - left < CLOSE_ZERO_DISTANCE);
-        if is_close && (is_growing(&steeper) || is_growing(&flatter)) {
+        if !is_growing(&steeper) && !is_growing(&flatter) {
+            all.extend(term.form.zeros());
+            continue;
+        }
+        let zeros = term.form.zeros_unless_touching();
+        let is_close = zeros.as_ref().is_none_or(|zeros| {
+            sectors_between(zeros).iter().any(|(left, right)| right - left < CLOSE_ZERO_DISTANCE)
+        });
+        if is_close {
             // A slope m strictly between the slopes of the two edges, at which the corner alone is of leading order.
             let low = flatter.unwrap_or([0, 1]);
             let high = steeper.unwrap_or([low[0] + low[1], low[1]]);
@@ -235,7 +243,7 @@ fn find_corner_zeros(
                 continue;
             }
         }
-        all.extend(zeros);
+        all.extend(zeros.unwrap_or_else(|| term.form.zeros()));
     }
     all
 }
@@ -244,7 +252,7 @@ fn find_corner_zeros(
 fn find_growing_edges<'a>(
     terms: &'a [DispersionTerm],
     corners: &[(i64, i64)],
-) -> StackList<PolygonEdge<'a>> {
+) -> StackList<PolygonEdge<'a>, 2> {
     corners
         .windows(2)
         .filter(|pair| pair[1].1 > pair[0].1)
@@ -331,6 +339,9 @@ fn sectors_between(zeros: &[FormZero]) -> StackList<(f64, f64)> {
         .collect()
 }
 
+/// Relative difference of two ratios of forms that rounding may cause.
+const RATIO_ROUNDING: f64 = 1e-12;
+
 /// Searches the direction of largest growth of an edge.
 fn search_directions(edge: &PolygonEdge, zeros: &[FormZero], accumulator: &mut GrowthAccumulator) {
     if !accumulator.can_improve(edge.order) {
@@ -382,23 +393,24 @@ fn search_directions(edge: &PolygonEdge, zeros: &[FormZero], accumulator: &mut G
             continue;
         }
         let mut best = (ratio(middle), middle);
+        let mut consider = |angle: f64| {
+            let value = ratio(angle);
+            // A ratio that is constant within rounding keeps the middle.
+            if value > best.0 * (1.0 + RATIO_ROUNDING) {
+                best = (value, angle);
+            }
+        };
         let mut is_thin = true;
         let extrema = extrema.get_or_insert_with(|| form::ratio_extrema(&last.form, &first.form));
         for angle in extrema.iter().flat_map(|e| [*e, e + PI]) {
             if left < angle && angle < right {
                 is_thin = false;
-                let value = ratio(angle);
-                if value > best.0 {
-                    best = (value, angle);
-                }
+                consider(angle);
             }
         }
         if is_thin {
             // The sector is too thin to be resolved by the roots of the polynomial.
-            let angle = form::locate_ratio_maximum(&last.form, &first.form, left, right);
-            if ratio(angle) > best.0 {
-                best = (ratio(angle), angle);
-            }
+            consider(form::locate_ratio_maximum(&last.form, &first.form, left, right));
         }
         accumulator.record_growth(edge.order, cosine * best.0, best.1);
     }

@@ -56,31 +56,37 @@ struct Chart {
     offset_order_bound: GrowthOrder,
 }
 
-/// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction, with bounds widened by the uncertainty of the
-/// direction.
-pub(crate) fn expand_along_direction(form: &BinaryForm, zero: &FormZero) -> StackList<Rounded> {
-    let axis = Rounded::from_exact(zero.angle);
-    let turned = form.to_rotated_axes(axis.cos(), axis.sin());
-    let slope = turned.derivative();
-    let curvature = slope.derivative();
-    let widened = |l: usize| {
-        zero.bound * slope.coefficients[l].value.abs()
-            + zero.bound * zero.bound * curvature.coefficients[l].value.abs()
+/// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction with this cosine and sine, with bounds widened by
+/// the uncertainty `angle_bound` (rad) of the direction.
+pub(crate) fn expand_along_direction(
+    form: &BinaryForm,
+    [cos, sin]: [Rounded; 2],
+    angle_bound: f64,
+) -> StackList<Rounded> {
+    let mut turned = form.to_rotated_axes(cos, sin).coefficients;
+    // Coefficients of the derivative by the angle, as in `BinaryForm::derivative`.
+    let derivative = |values: &[f64]| -> StackList<f64> {
+        let at = |l: usize| values.get(l).copied().unwrap_or_default();
+        let from_below = |l: usize| (values.len() - l) as f64 * at(l.wrapping_sub(1));
+        (0..values.len()).map(|l| (l + 1) as f64 * at(l + 1) - from_below(l)).collect()
     };
+    let values: StackList<f64> = turned.iter().map(|c| c.value).collect();
+    let slope = derivative(&values);
+    let curvature = derivative(&slope);
+    for (c, (slope, curvature)) in turned.iter_mut().zip(slope.iter().zip(&curvature)) {
+        c.bound += angle_bound * slope.abs() + angle_bound * angle_bound * curvature.abs();
+    }
     turned
-        .coefficients
-        .iter()
-        .enumerate()
-        .map(|(l, c)| Rounded { value: c.value, bound: c.bound + widened(l) })
-        .collect()
 }
 
 /// Chart around a degenerate direction and ς = 0.
 fn build_chart(terms: &[DispersionTerm], zero: &FormZero) -> Chart {
     let mut chart_terms = StackList::new();
+    let axis = zero.axis();
     for term in terms {
         let degree = term.form.degree();
-        for (l, value) in expand_along_direction(&term.form, zero).into_iter().enumerate() {
+        let turned = expand_along_direction(&term.form, axis, zero.bound);
+        for (l, value) in turned.into_iter().enumerate() {
             let value = RoundedComplex::from_i_power(value, degree as i64);
             if !value.is_zero() {
                 chart_terms.push(ChartTerm {
@@ -468,7 +474,7 @@ fn find_facets(chart: &Chart) -> StackList<Facet> {
             None => terms.push(p),
         }
     }
-    let mut found: StackList<([i64; 3], Facet)> = StackList::new();
+    let mut found: StackList<Facet> = StackList::new();
     for (a, p) in terms.iter().enumerate() {
         for (b, q) in terms.iter().enumerate().skip(a + 1) {
             for r in &terms[b + 1..] {
@@ -506,13 +512,39 @@ fn find_facets(chart: &Chart) -> StackList<Facet> {
                 if terms.iter().any(|s| weight(s) > height) {
                     continue;
                 }
-                if found.iter().any(|(_, f)| f.order == order && f.offset_order == offset) {
+                if found.iter().any(|f| f.order == order && f.offset_order == offset) {
                     continue;
                 }
                 let on = terms.iter().filter(|s| weight(s) == height).map(|s| **s).collect();
-                found.push((normal, Facet { order, offset_order: offset, terms: on }));
+                found.push(Facet { order, offset_order: offset, terms: on });
             }
         }
     }
-    found.into_iter().map(|(_, facet)| facet).collect()
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bounds of turned coefficients against the derivatives of the turned form.
+    #[test]
+    fn uncertain_directions_widen_the_bounds_by_the_derivatives() {
+        let mut form = BinaryForm::new_zero(4);
+        for (own, value) in form.coefficients.iter_mut().zip([0.7, -1.3, 2.9, 0.11, 1.0]) {
+            *own = Rounded::from_exact(value);
+        }
+        let zero = FormZero { angle: 0.6, bound: 1e-3, has_sign_change: true };
+        let [cos, sin] = zero.axis();
+        let turned = form.to_rotated_axes(cos, sin);
+        let slope = turned.derivative();
+        let curvature = slope.derivative();
+        let found = expand_along_direction(&form, [cos, sin], zero.bound);
+        for (l, own) in found.iter().enumerate() {
+            assert_eq!(own.value, turned.coefficients[l].value);
+            let wanted = 1e-3 * slope.coefficients[l].value.abs()
+                + 1e-6 * curvature.coefficients[l].value.abs();
+            assert!((own.bound - wanted).abs() < 1e-12, "{l}: {own:?}, not {wanted}");
+        }
+    }
 }

@@ -26,7 +26,7 @@ pub fn assess_line(pencil: &Pencil) -> Assessment {
     }
     let terms = pencil.polynomial.forms();
     let (certain, doubtful): (StackList<DispersionTerm, 24>, StackList<DispersionTerm, 24>) =
-        terms.into_iter().partition(|term| term.form.is_nonzero());
+        terms.iter().cloned().partition(|term| term.form.is_nonzero());
     let corners = newton_polygon_corners(certain.iter().map(exponents));
     let growing = corners.windows(2).filter(|pair| pair[1].1 > pair[0].1);
     assessment.orders = growing

@@ -215,6 +215,7 @@ pub struct DispersionPolynomial {
     /// Unit of k, 1/m.
     pub wave_number_unit: f64,
     velocity: [f64; 2],
+    forms: Vec<DispersionTerm>,
 }
 
 impl DispersionPolynomial {
@@ -248,6 +249,7 @@ impl DispersionPolynomial {
         } else {
             self.expand(&symbol);
         }
+        self.collect_forms();
         Ok(())
     }
 
@@ -341,8 +343,13 @@ impl DispersionPolynomial {
 
     /// The binary forms F_ij(κ₁, κ₂) of P = Σ ςⁱ F_ij, of degree j, in scaled units; only those
     /// with a coefficient that is not a structural zero.
-    pub fn forms(&self) -> StackList<DispersionTerm, 24> {
-        let mut terms: StackList<DispersionTerm, 24> = StackList::new();
+    pub fn forms(&self) -> &[DispersionTerm] {
+        &self.forms
+    }
+
+    fn collect_forms(&mut self) {
+        let mut terms = std::mem::take(&mut self.forms);
+        terms.clear();
         for ([a, b, c], coefficient) in self.coefficients() {
             if coefficient.is_structural_zero() {
                 continue;
@@ -364,7 +371,7 @@ impl DispersionPolynomial {
                 bound: coefficient.total_error_bound() + coefficient.value.low.abs() * 1.000_001,
             };
         }
-        terms
+        self.forms = terms;
     }
 
     /// Restricts the polynomial to the wave vectors along `direction` (rad).
@@ -412,13 +419,15 @@ struct BlockWorkspace {
     polynomial: DispersionPolynomial,
 }
 
-/// Dispersion polynomial of a square block, in scaled units, so that each term is multiplied by some positive factor;
-/// `entry` (i, j) returns the coefficients of A, B¹, B², C. `None` if a coefficient is not finite or the block is too
-/// large.
+/// Dispersion polynomial of a square block if it is one term ςⁱ F(κ₁, κ₂): the form F, in scaled units, so that it is
+/// multiplied by some positive factor; `entry` (i, j) returns the coefficients of A, B¹, B², C, which are scaled unless
+/// they are of comparable size, `is_scaled`. `None` if a coefficient is not finite, if the block is too large, or if the
+/// polynomial has no or several terms.
 pub(crate) fn block_determinant(
     size: usize,
+    is_scaled: bool,
     entry: impl Fn(usize, usize) -> [Rounded; 4],
-) -> Option<StackList<DispersionTerm, 24>> {
+) -> Option<BinaryForm> {
     const UNKNOWNS: [Unknown; MAX_EQUATIONS] = [Unknown { name: "", family: "" }; MAX_EQUATIONS];
     const EQUATIONS: [&str; MAX_EQUATIONS] = [""; MAX_EQUATIONS];
     thread_local! {
@@ -426,17 +435,23 @@ pub(crate) fn block_determinant(
     }
     BLOCK_WORKSPACES.with_borrow_mut(|blocks| {
         let BlockWorkspace { system, scaled, polynomial } = blocks.get_mut(size)?;
-        system.reset(UNKNOWNS.get(..size)?, EQUATIONS.get(..size)?, [0.0; 2]);
+        let target = if is_scaled { &mut scaled.system } else { &mut *system };
+        target.reset(UNKNOWNS.get(..size)?, EQUATIONS.get(..size)?, [0.0; 2]);
         for i in 0..size {
             for j in 0..size {
                 let at = (i, j);
-                let [first, second] = &mut system.b;
-                [system.a[at], first[at], second[at], system.c[at]] = entry(i, j);
+                let [first, second] = &mut target.b;
+                [target.a[at], first[at], second[at], target.c[at]] = entry(i, j);
             }
         }
-        scaled.update(system).ok()?;
+        if !is_scaled {
+            scaled.update(system).ok()?;
+        }
         polynomial.update(scaled).ok()?;
-        Some(polynomial.forms())
+        match polynomial.forms() {
+            [only] => Some(only.form.clone()),
+            _ => None,
+        }
     })
 }
 
@@ -500,6 +515,31 @@ mod tests {
             count += usize::from(a.value.high != 0.0);
         }
         assert!(count > 200, "{count} coefficients");
+    }
+
+    /// The determinant of a block of two rows against (a₁κ₁ + a₂κ₂)(d₁κ₁ + d₂κ₂) − (b₁κ₁ + b₂κ₂)(c₁κ₁ + c₂κ₂), without
+    /// and with scaling, which multiplies it by a positive factor.
+    #[test]
+    fn determinant_of_a_block_is_that_of_its_entries() {
+        let entries = [[[3.0, 1.0], [-2.0, 5.0]], [[0.5, 4.0], [7.0, -1.0]]];
+        let [[a, b], [c, d]] = entries;
+        let wanted = [
+            a[0] * d[0] - b[0] * c[0],
+            a[0] * d[1] + a[1] * d[0] - b[0] * c[1] - b[1] * c[0],
+            a[1] * d[1] - b[1] * c[1],
+        ];
+        for is_scaled in [true, false] {
+            let entry = |i: usize, j: usize| {
+                let [first, second] = entries[i][j].map(Rounded::from_exact);
+                [Rounded::ZERO, first, second, Rounded::ZERO]
+            };
+            let form = block_determinant(2, is_scaled, entry).expect("one term");
+            let factor = form.coefficients[0].value / wanted[0];
+            assert!(factor > 0.0 && (factor == 1.0 || !is_scaled), "{factor}");
+            for (own, wanted) in form.coefficients.iter().zip(wanted) {
+                assert!((own.value - factor * wanted).abs() <= own.bound + 1e-15 * factor);
+            }
+        }
     }
 
     #[test]

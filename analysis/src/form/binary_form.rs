@@ -132,22 +132,17 @@ impl BinaryForm {
             || (angle - FRAC_PI_2).abs() < 1e-15 && zero(self.coefficients.last())
     }
 
-    /// dF/dθ at an angle, without rounding bound.
-    pub(super) fn derivative_at(&self, angle: f64) -> f64 {
-        let (sin, cos) = angle.cr_sin_cos();
-        let d = self.degree() as i32;
-        let term = |(l, f): (usize, &Rounded)| {
-            let l = l as i32;
-            let mut slope = 0.0;
-            if l > 0 {
-                slope += f64::from(l) * cos.powi(d - l + 1) * sin.powi(l - 1);
-            }
-            if l < d {
-                slope -= f64::from(d - l) * cos.powi(d - l - 1) * sin.powi(l + 1);
-            }
-            f.value * slope
-        };
-        self.coefficients.iter().enumerate().map(term).sum()
+    /// dF/dθ in the direction with cosine `cos` and sine `sin`, without rounding bound: cos ∂F/∂κ₂ − sin ∂F/∂κ₁.
+    pub(super) fn slope_at(&self, [cos, sin]: [f64; 2]) -> f64 {
+        let mut value = self.coefficients[0].value;
+        let (mut by_first, mut by_second, mut power) = (0.0, 0.0, 1.0);
+        for (l, f) in self.coefficients.iter().enumerate().skip(1) {
+            by_first = by_first * cos + value;
+            by_second = by_second * cos + l as f64 * f.value * power;
+            power *= sin;
+            value = value * cos + f.value * power;
+        }
+        cos * by_second - sin * by_first
     }
 
     /// Derivative dF(cos θ, sin θ)/dθ, again a form of degree d.

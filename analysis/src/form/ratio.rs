@@ -2,13 +2,14 @@
 
 use super::binary_form::BinaryForm;
 use crate::list::StackList;
-use models::common::elementary::{Modulus, cr_arg};
+use models::common::elementary::{Elementary, Modulus, cr_arg};
 use std::f64::consts::PI;
 
 impl BinaryForm {
     /// Logarithmic derivative d log|F|/dθ, summed over the factors if known.
     fn logarithmic_derivative(&self, angle: f64) -> f64 {
-        let own = |f: &BinaryForm| f.derivative_at(angle) / f.evaluate_at_angle(angle).value;
+        let (sin, cos) = angle.cr_sin_cos();
+        let own = |f: &BinaryForm| f.slope_at([cos, sin]) / f.value_at([cos, sin]);
         match self.factor_ends.len() {
             0 => own(self),
             _ => self.factors().map(|f| own(&Self::from_coefficients(f))).sum(),

@@ -3,6 +3,8 @@
 use super::binary_form::BinaryForm;
 use crate::list::list;
 use models::Rounded;
+use models::common::elementary::Elementary;
+use std::f64::consts::PI;
 
 fn form_with_coefficients(coefficients: &[f64]) -> BinaryForm {
     BinaryForm {
@@ -125,9 +127,56 @@ fn rotation_keeps_values() {
 fn derivative_agrees_with_central_differences() {
     let f = form_with_coefficients(&[0.7, -1.3, 2.9, 0.11, 1.0]);
     let h = 1e-6;
-    for theta in [0.2, 1.4, 2.8] {
+    for theta in [0.2, 1.4, 2.8f64] {
         let slope = (f.evaluate_at_angle(theta + h).value - f.evaluate_at_angle(theta - h).value)
             / (2.0 * h);
         assert!((f.derivative().evaluate_at_angle(theta).value - slope).abs() < 1e-8);
+        assert!((f.slope_at([theta.cr_cos(), theta.cr_sin()]) - slope).abs() < 1e-8);
     }
+}
+
+/// Zeros of forms of degree one and two in closed form, and the decision that there are none, against the general search
+/// between extrema.
+#[test]
+fn clear_quadratic_forms_have_the_zeros_of_the_general_search() {
+    let (mut with, mut without) = (0, 0);
+    for index in 0..600 {
+        // Points of a lattice that fills the cube.
+        let entry = |step: f64| 2.0 * (step * f64::from(index)).fract() - 1.0;
+        let coefficients = [0.754_877_666, 0.569_840_291, 0.430_159_709].map(entry);
+        let size = 10f64.powi(index % 7 - 3);
+        let coefficients = [size * coefficients[0], coefficients[1], coefficients[2] / size];
+        let form = form_with_coefficients(&coefficients[..2 + index as usize % 2]);
+        let Some(found) = form.zeros_of_clear_quadratic() else { continue };
+        let general = form.zeros_between_extrema(true).unwrap();
+        assert_eq!(found.len(), general.len(), "{coefficients:?}");
+        for zero in &found {
+            let gap = |other: &super::FormZero| {
+                let gap = (zero.angle - other.angle).abs();
+                gap.min(PI - gap)
+            };
+            let nearest = general.iter().min_by(|a, b| gap(a).total_cmp(&gap(b))).unwrap();
+            let bound = zero.bound + nearest.bound;
+            assert!(
+                gap(nearest) <= bound && bound < 1e-9,
+                "{coefficients:?}: {found:?} {general:?}"
+            );
+        }
+        with += usize::from(!found.is_empty());
+        without += usize::from(found.is_empty());
+    }
+    assert!(with > 200 && without > 50, "{with} {without}");
+    // Nearly double zeros, and coefficients that are mostly error, are left to the general search.
+    assert!(form_with_zeros(&[0.7, 0.7 + 1e-4]).zeros_of_clear_quadratic().is_none());
+    let doubtful = Rounded { value: 1.0, bound: 0.1 };
+    let coefficients = list![doubtful, doubtful, -doubtful];
+    let form = BinaryForm { coefficients, ..BinaryForm::default() };
+    assert!(form.zeros_of_clear_quadratic().is_none());
+}
+
+#[test]
+fn touching_forms_are_recognised() {
+    assert!(form_with_zeros(&[0.3, 0.3, 2.0]).zeros_unless_touching().is_none());
+    let form = form_with_zeros(&[0.3, 0.4, 2.0]);
+    assert_eq!(form.zeros_unless_touching(), Some(form.zeros()));
 }

@@ -19,6 +19,14 @@ pub struct FormZero {
     pub has_sign_change: bool,
 }
 
+impl FormZero {
+    /// Cosine and sine of the angle.
+    pub(crate) fn axis(&self) -> [Rounded; 2] {
+        let (sin, cos) = Rounded::from_exact(self.angle).sin_cos();
+        [cos, sin]
+    }
+}
+
 impl BinaryForm {
     /// The angles in [0, π) at which dF/dθ vanishes, ascending.
     fn extrema(&self) -> StackList<f64> {
@@ -83,34 +91,75 @@ impl BinaryForm {
     /// one zero, however close the extrema are to zero. No sector between two zeros is missed
     /// unless the form inside it stays below its rounding bound.
     pub fn zeros(&self) -> StackList<FormZero> {
+        self.find_zeros(true).unwrap_or_default()
+    }
+
+    /// [`Self::zeros`], or `None`, sooner, if the form touches zero in some direction.
+    pub fn zeros_unless_touching(&self) -> Option<StackList<FormZero>> {
+        self.find_zeros(false)
+    }
+
+    /// The zeros; `None` if the form touches zero in some direction, unless `may_touch`.
+    fn find_zeros(&self, may_touch: bool) -> Option<StackList<FormZero>> {
         if !self.is_nonzero() {
-            return StackList::new();
+            return Some(StackList::new());
         }
+        let is_wanted = |zero: &FormZero| may_touch || zero.has_sign_change;
         if !self.factor_ends.is_empty() {
             let mut zeros: StackList<FormZero> =
                 self.factors().flat_map(|f| Self::from_coefficients(f).zeros()).collect();
             merge_zeros(&mut zeros);
-            return zeros;
+            return zeros.iter().all(is_wanted).then_some(zeros);
         }
-        if let Some(zeros) = self.zeros_with_axis_factors() {
-            return zeros;
+        let [first, second] = self.axis_multiplicities();
+        if first + second > 0 {
+            let rest = &self.coefficients[second..=self.degree() - first];
+            let mut zeros = Self::from_coefficients(rest).find_zeros(may_touch)?;
+            let axes = [(second, 0.0, 0.0), (first, FRAC_PI_2, f64::EPSILON)];
+            let own = axes.into_iter().filter(|axis| axis.0 > 0);
+            zeros.extend(own.map(|(power, angle, bound)| FormZero {
+                angle,
+                bound,
+                has_sign_change: power % 2 == 1,
+            }));
+            merge_zeros(&mut zeros);
+            return zeros.iter().all(is_wanted).then_some(zeros);
         }
+        match self.zeros_of_clear_quadratic() {
+            Some(zeros) => Some(zeros),
+            None => self.zeros_between_extrema(may_touch),
+        }
+    }
+
+    /// Powers of κ₁ and κ₂ by which the form is exactly divisible.
+    fn axis_multiplicities(&self) -> [usize; 2] {
+        let absent = |c: &&Rounded| c.is_structural_zero();
+        let second = self.coefficients.iter().take_while(absent).count();
+        [self.coefficients.iter().rev().take_while(absent).count(), second]
+    }
+
+    /// Zeros by the extrema of the form; `None` if it touches zero in some direction, unless `may_touch`.
+    pub(super) fn zeros_between_extrema(&self, may_touch: bool) -> Option<StackList<FormZero>> {
         let extrema = self.extrema();
-        let derivative = self.derivative();
-        let second = derivative.derivative();
+        let second = self.derivative().derivative();
         let mut zeros = StackList::new();
         if self.degree() % 2 == 1 && extrema.is_empty() {
-            return zeros;
+            return Some(zeros);
         }
         // Value at an extremum; `None` if it may be zero, given that the angle of the extremum is uncertain by 4ε.
         let sign_at = |angle: f64| {
-            let value = self.evaluate_at_angle(angle);
-            let curvature = second.evaluate_at_angle(angle).value.abs();
+            let (sin, cos) = Rounded::from_exact(angle).sin_cos();
+            let value = self.evaluate(cos, sin);
+            let curvature = second.value_at([cos.value, sin.value]).abs();
             let reach = value.bound + 0.5 * curvature * (4.0 * f64::EPSILON).powi(2);
             (value.value.abs() > reach).then_some(value.value)
         };
+        let signs: StackList<Option<f64>> = extrema.iter().map(|&angle| sign_at(angle)).collect();
+        if !may_touch && signs.contains(&None) {
+            return None;
+        }
         for (index, &left) in extrema.iter().enumerate() {
-            let Some(start) = sign_at(left) else {
+            let Some(start) = signs[index] else {
                 // The form touches zero at this extremum.
                 let (angle, bound) = locate_multiple_zero(self, left);
                 let angle = angle.rem_euclid(PI);
@@ -125,64 +174,117 @@ impl BinaryForm {
                 Some(&right) => (right, 1.0),
                 None => (extrema[0] + PI, if self.degree() % 2 == 1 { -1.0 } else { 1.0 }),
             };
-            let Some(end) = sign_at(extrema[(index + 1) % extrema.len()]) else { continue };
+            let Some(end) = signs[(index + 1) % extrema.len()] else { continue };
             let end = flip * end;
             if start * end.signum() >= 0.0 {
                 continue;
             }
-            let angle = self.refine_bracketed_zero((left, start), (right, end));
-            let value = self.evaluate_at_angle(angle);
-            let slope = derivative.evaluate_at_angle(angle).value.abs();
-            let bound = (value.value.abs() + value.bound) / slope + 4.0 * f64::EPSILON;
-            zeros.push(FormZero { angle: angle.rem_euclid(PI), bound, has_sign_change: true });
+            zeros.push(self.zero_at(self.refine_bracketed_zero((left, start), (right, end))));
         }
         zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-        zeros
+        Some(zeros)
     }
 
-    /// Zeros of a form that is exactly divisible by powers of κ₁ or κ₂; `None` for other forms.
-    fn zeros_with_axis_factors(&self) -> Option<StackList<FormZero>> {
-        let absent = |c: &&Rounded| c.is_structural_zero();
-        let second = self.coefficients.iter().take_while(absent).count();
-        let first = self.coefficients.iter().rev().take_while(absent).count();
-        if first + second == 0 {
-            return None;
-        }
-        let rest = &self.coefficients[second..=self.degree() - first];
-        let mut zeros = Self::from_coefficients(rest).zeros();
-        let axes = [(second, 0.0, 0.0), (first, FRAC_PI_2, f64::EPSILON)];
-        let own = axes.into_iter().filter(|axis| axis.0 > 0);
-        zeros.extend(own.map(|(power, angle, bound)| FormZero {
-            angle,
-            bound,
-            has_sign_change: power % 2 == 1,
-        }));
-        merge_zeros(&mut zeros);
+    /// Zeros of a form of degree one or two in closed form, if their number is clear. A form of degree two is m + R cos
+    /// (2θ − ψ): it has two zeros for |m| < R and none for |m| > R.
+    pub(super) fn zeros_of_clear_quadratic(&self) -> Option<StackList<FormZero>> {
+        /// Part of |m| + R by which |m| and R differ in a clear case.
+        const CLEAR_DIFFERENCE: f64 = 1e-6;
+        /// Error of the coefficients in a clear case, as part of that difference.
+        const CLEAR_ERROR: f64 = 1e-3;
+        let error: f64 = self.coefficients.iter().map(|c| c.bound).sum();
+        let mut zeros = StackList::new();
+        // Wave vectors in which the form vanishes.
+        let vectors = match self.coefficients[..] {
+            [first, second] => {
+                let amplitude = first.value.root_sum_square(second.value);
+                if error > CLEAR_ERROR * amplitude {
+                    return None;
+                }
+                list![[second.value, -first.value]]
+            }
+            [first, mixed, last] => {
+                let [a, b, c] = [first, mixed, last].map(|f| f.value);
+                let amplitude = (0.5 * (a - c)).root_sum_square(0.5 * b);
+                let mean = (0.5 * (a + c)).abs();
+                let (sum, difference) = (amplitude + mean, amplitude - mean);
+                // The negation also holds for numbers that are not finite.
+                let is_clear = difference.abs() > CLEAR_DIFFERENCE * sum
+                    && error <= CLEAR_ERROR * difference.abs();
+                if !is_clear {
+                    return None;
+                }
+                if difference < 0.0 {
+                    return Some(zeros);
+                }
+                // Half of the larger of −b ± √(b² − 4ac), so that nothing cancels.
+                let root = (sum * difference).sqrt();
+                let q = if b > 0.0 { -0.5 * b - root } else { root - 0.5 * b };
+                list![[q, a], [c, q]]
+            }
+            _ => return None,
+        };
+        zeros.extend(vectors.iter().map(|[x, y]| self.zero_at(y.cr_atan2(*x))));
+        zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         Some(zeros)
+    }
+
+    /// The crossing of zero near `angle` (rad), with its bound from value and slope there.
+    fn zero_at(&self, angle: f64) -> FormZero {
+        let angle = angle.rem_euclid(PI);
+        let (sin, cos) = Rounded::from_exact(angle).sin_cos();
+        let (value, slope) = (self.evaluate(cos, sin), self.slope_at([cos.value, sin.value]));
+        let bound = (value.value.abs() + value.bound) / slope.abs() + 4.0 * f64::EPSILON;
+        FormZero { angle, bound, has_sign_change: true }
     }
 
     /// Zero between two angles with values of opposite sign, by the Illinois variant of regula falsi, with bisection in
     /// every fourth round, until the value and the next secant step are of the size of rounding.
+    ///
+    /// The form is evaluated along the chord between the two directions, on which it has the same sign as on the arc.
     fn refine_bracketed_zero(
         &self,
-        (mut a, mut fa): (f64, f64),
-        (mut b, mut fb): (f64, f64),
+        (mut left, mut start): (f64, f64),
+        (mut right, mut end): (f64, f64),
     ) -> f64 {
+        let direction = |angle: f64| {
+            let (sin, cos) = angle.cr_sin_cos();
+            [cos, sin]
+        };
+        while right - left > FRAC_PI_2 {
+            let middle = 0.5 * (left + right);
+            let value = self.value_at(direction(middle));
+            if value == 0.0 {
+                return middle;
+            }
+            if (value > 0.0) == (end > 0.0) {
+                (right, end) = (middle, value);
+            } else {
+                (left, start) = (middle, value);
+            }
+        }
+        let [from, to] = [left, right].map(direction);
+        let chord = |part: f64| [0, 1].map(|i| from[i] + part * (to[i] - from[i]));
+        let angle = |part: f64| {
+            let [x, y] = chord(part);
+            y.cr_atan2(x)
+        };
+        let ((mut a, mut fa), (mut b, mut fb)) = ((0.0, start), (1.0, end));
         for round in 0..120 {
-            let secant = b - fb * (b - a) / (fb - fa);
+            let secant: f64 = b - fb * (b - a) / (fb - fa);
             let inside = (secant - a) * (secant - b) < 0.0;
             let middle = if inside && round % 4 != 3 { secant } else { 0.5 * (a + b) };
             if inside && (secant - b).abs() <= 2.0 * f64::EPSILON {
-                let last = self.evaluate_at_angle(b);
+                let [x, y] = chord(b).map(Rounded::from_rounded);
+                let last = self.evaluate(x, y);
                 if last.value.abs() <= last.bound {
-                    return secant;
+                    return angle(secant);
                 }
             }
             if middle <= a.min(b) || middle >= a.max(b) {
                 break;
             }
-            let (sin, cos) = middle.cr_sin_cos();
-            let f = self.value_at([cos, sin]);
+            let f = self.value_at(chord(middle));
             if f == 0.0 {
                 (a, b) = (middle, middle);
                 break;
@@ -194,7 +296,7 @@ impl BinaryForm {
             }
             (b, fb) = (middle, f);
         }
-        0.5 * (a + b)
+        angle(0.5 * (a + b))
     }
 }
 

@@ -33,11 +33,13 @@ impl Rounded {
     pub const ONE: Self = Self::from_exact(1.0);
 
     /// An exact double, with bound 0.
+    #[inline]
     pub const fn from_exact(value: f64) -> Self {
         Self { value, bound: 0.0 }
     }
 
     /// A double rounded from a real number, such as a decimal from a file: bound u·|value|, u the unit roundoff.
+    #[inline]
     pub fn from_rounded(value: f64) -> Self {
         Self { value, bound: UNIT_ROUNDOFF * value.abs() }
     }
@@ -49,11 +51,13 @@ impl Rounded {
     }
 
     /// Whether the number is exactly zero (value and bound zero), not zero by rounding.
+    #[inline]
     pub fn is_structural_zero(self) -> bool {
         self.value == 0.0 && self.bound == 0.0
     }
 
     /// The certain sign: ±1 if |value| > bound, 0 for a structural zero, else `None`.
+    #[inline]
     pub fn sign(self) -> Option<i8> {
         if self.value.abs() > self.bound {
             Some(if self.value > 0.0 { 1 } else { -1 })
@@ -219,6 +223,7 @@ impl Rounded {
         Self::with_rounding_error(value, spread)
     }
 
+    #[inline]
     fn with_rounding_error(value: f64, bound: f64) -> Self {
         Self {
             value,
@@ -235,6 +240,7 @@ impl From<f64> for Rounded {
 
 impl Add for Rounded {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         if self.is_structural_zero() {
             return other;
@@ -248,6 +254,7 @@ impl Add for Rounded {
 
 impl Sub for Rounded {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -255,6 +262,7 @@ impl Sub for Rounded {
 
 impl Neg for Rounded {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, bound: self.bound }
     }
@@ -262,6 +270,7 @@ impl Neg for Rounded {
 
 impl Mul for Rounded {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         if self.is_structural_zero() || other.is_structural_zero() {
             return Self::ZERO;
@@ -278,6 +287,7 @@ impl Mul for Rounded {
 /// The bound of a quotient is infinite if the divisor may be zero within its bound.
 impl Div for Rounded {
     type Output = Self;
+    #[inline]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
         let min_divisor = other.value.abs() - other.bound;
@@ -295,12 +305,14 @@ impl Div for Rounded {
 /// Product with an exact factor, such as the literal 2 of `2 sin φ`.
 impl Mul<Rounded> for f64 {
     type Output = Rounded;
+    #[inline]
     fn mul(self, other: Rounded) -> Rounded {
         Rounded::from_exact(self) * other
     }
 }
 
 impl AddAssign for Rounded {
+    #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
