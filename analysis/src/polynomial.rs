@@ -420,8 +420,8 @@ struct BlockWorkspace {
 }
 
 /// Dispersion polynomial of a square block if it is one term ςⁱ F(κ₁, κ₂): the form F, in scaled units, so that it is
-/// multiplied by some positive factor; `entry` (i, j) returns the coefficients of A, B¹, B², C, which are scaled unless
-/// they are of comparable size, `is_scaled`. `None` if a coefficient is not finite, if the block is too large, or if the
+/// multiplied by some positive factor; `entry` (i, j) returns the coefficients of A, B¹, B², C; `is_scaled`: these are
+/// finite and of comparable size, else they are scaled. `None` if a coefficient is not finite, if the block is too large, or if the
 /// polynomial has no or several terms.
 pub(crate) fn block_determinant(
     size: usize,

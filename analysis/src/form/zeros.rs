@@ -218,7 +218,7 @@ impl BinaryForm {
                     return Some(zeros);
                 }
                 // Half of the larger of −b ± √(b² − 4ac), so that nothing cancels.
-                let root = (sum * difference).sqrt();
+                let root = sum.sqrt() * difference.sqrt();
                 let q = if b > 0.0 { -0.5 * b - root } else { root - 0.5 * b };
                 list![[q, a], [c, q]]
             }

@@ -134,10 +134,10 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::with_first_axis(0, problem, count)
     }
 
-    /// Returns the number of threads that [`with_first_axis`](Self::with_first_axis) can use, fewer where they would
-    /// spend more time on messages than on cells.
-    pub fn max_subdomains(first_axis: usize, problem: &Problem<D>) -> usize {
-        let (axis, room) = Self::choose_cut_axis(first_axis, problem, usize::MAX);
+    /// Returns how many of at most `count` threads [`with_first_axis`](Self::with_first_axis) can use, fewer where they
+    /// would spend more time on messages than on cells.
+    pub fn usable_threads(first_axis: usize, problem: &Problem<D>, count: usize) -> usize {
+        let (axis, room) = Self::choose_cut_axis(first_axis, problem, count);
         let useful = if axis == 0 { problem.grid.count() / MIN_THREAD_CELLS } else { room };
         useful.clamp(1, room)
     }

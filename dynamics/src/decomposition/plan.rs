@@ -1,7 +1,7 @@
 //! Decomposition plan: subdomains of a grid and their neighbours.
 //!
 //! The positions of the cuts along the axes are given. A process decomposes its cells along one axis alone, as a rule the
-//! last one, with one subdomain per thread:
+//! last one, with one subdomain per thread, or several where few long rows are cut:
 //! [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis). Several ranks decompose the grid along
 //! all axes: [`RankPlan`](super::RankPlan).
 

@@ -65,7 +65,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let [fields, sums] = self.list_lengths();
         let fits = lists.lengths() == [fields, sums.clone()]
             && state.interlayer_history.len() == history_length;
-        if !self.is_true_on_all_ranks(fits) {
+        if !self.is_true_on_all_ranks(fits) || !self.is_same_on_all_ranks(state.steps) {
             return false;
         }
         for subdomain in &mut self.subdomains {
@@ -95,6 +95,15 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
         self.set_interlayer_history(&state.interlayer_history);
         true
+    }
+
+    /// Returns whether all ranks call it with the same number.
+    fn is_same_on_all_ranks(&self, own: usize) -> bool {
+        self.ranks.as_ref().is_none_or(|ranks| {
+            let message = (own as u64).to_le_bytes().to_vec();
+            let all = ranks.communicator.gather_to_all(message.clone());
+            all.iter().all(|other| *other == message)
+        })
     }
 
     /// Returns whether `own` is true on all ranks, which all call it.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Choice of the solver of a solid.
 #[derive(Clone, Debug)]
 pub enum SolverChoice {
-    /// Fused solver; the number of threads is limited by the number of layers. Its ledger lacks the numerical
+    /// Fused solver; the number of threads is limited by the length of the grid. Its ledger lacks the numerical
     /// dissipation.
     Fused {
         /// Maximum number of threads.
@@ -42,8 +42,9 @@ impl SolverChoice {
         problem: &Problem<D>,
     ) -> usize {
         match self {
-            Self::Fused { threads } => (*threads)
-                .clamp(1, DecomposedDomain::<T, D>::max_subdomains(problem.first_axis(), problem)),
+            Self::Fused { threads } => {
+                DecomposedDomain::<T, D>::usable_threads(problem.first_axis(), problem, *threads)
+            }
             Self::Ranks { communicator, threads, .. } => communicator.size() * threads,
             Self::Reference => 1,
         }

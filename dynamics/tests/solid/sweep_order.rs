@@ -272,6 +272,6 @@ fn reflecting_boundaries_select_the_first_axis() {
     resumed.advance(4).expect("threads");
     assert!(whole.snapshot() == resumed.snapshot());
     assert!(whole.energy().total() > 0.0);
-    assert_eq!(DecomposedDomain::<f64, 3>::max_subdomains(2, &problem), 3);
-    assert_eq!(DecomposedDomain::<f64, 3>::max_subdomains(0, &problem), 3);
+    assert_eq!(DecomposedDomain::<f64, 3>::usable_threads(2, &problem, 16), 3);
+    assert_eq!(DecomposedDomain::<f64, 3>::usable_threads(0, &problem, 16), 3);
 }

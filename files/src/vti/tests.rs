@@ -175,7 +175,11 @@ fn arrays_appended_in_pieces_give_the_same_bytes() {
     });
     let values: Vec<Vec<u8>> = arrays
         .iter()
-        .map(|array| (0..count * array.cell_size()).map(|i| (i % 251 + i / 4999) as u8).collect())
+        .map(|array| {
+            // Noise, so that compressed values exceed what is kept in memory.
+            let noise = |i: u64| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as u8;
+            (0..(count * array.cell_size()) as u64).map(noise).collect()
+        })
         .collect();
     let image = |storage| {
         let grid = ImageGrid { cells: vec![300, 1000], ..plane_grid() };

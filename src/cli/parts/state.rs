@@ -134,11 +134,16 @@ impl StateFiles {
             if copy.is_empty() {
                 continue;
             }
-            let values = &mut self.content;
+            let (values, mut is_found) = (&mut self.content, false);
             let read = visit_section(path, name, |length, content| {
+                is_found = true;
                 copy.read(value_size(length, cells), content, values)
             });
             read.map_err(|error| describe_error(path, error))?;
+            if !is_found {
+                let cause = format!("has no section \"{name}\"");
+                return Err(OutputError::from_invalid_content(path, cause));
+            }
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::study::simulate::{FieldSource, OutputFields, OutputPart, SavedState};
 use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::SimulationState;
 use files::vti::{PieceFile, Storage};
-use files::{FileDigest, write_atomically_with};
+use files::{DigestWriter, FileDigest, write_atomically_with};
 use serde_json::{Value, json};
 use std::io;
 use std::ops::Range;
@@ -127,14 +127,20 @@ impl PartWriter<'_> {
         let cells = self.own_cells();
         let write = || -> Result<(RankFiles, Value), Error> {
             let name = self.name(PartFile::Snapshot(index));
-            let mut files = vec![self.write_part(name.clone(), |path| {
-                let written = write_atomically_with(path, |file| {
-                    let options = (cells, Storage::Compressed);
-                    write_image(self.case, fields, options, file, &self.folder)
-                        .map_err(io::Error::other)
-                });
-                written.map_err(|error| create_write_error(path, &error))
-            })?];
+            let path = self.folder.join(&name);
+            let mut digest = FileDigest::default();
+            let written = write_atomically_with(&path, |file| {
+                let mut writer = DigestWriter::new(file);
+                let options = (cells, Storage::Compressed);
+                write_image(self.case, fields, options, &mut writer, &self.folder)
+                    .map_err(io::Error::other)?;
+                digest = writer.finish()?;
+                Ok(())
+            });
+            written.map_err(|error| {
+                crate::cli::CommandError::from(create_write_error(&path, &error))
+            })?;
+            let mut files = vec![(name.clone(), digest)];
             if has_joint_files(self.case) {
                 let name = self.name(PartFile::SnapshotJoints(index));
                 let OutputFields { joint_faces, time, .. } = fields.describe();

@@ -93,7 +93,7 @@ impl Checkpoint {
     }
 
     /// Reads the checkpoint of a folder; `None` if the run had not written one yet. The state of the solver remains on
-    /// disk, see [`Self::load_state`].
+    /// disk, see [`Self::open_state`].
     ///
     /// # Errors
     /// The checkpoint cannot be read, is damaged or is of another case.

@@ -204,14 +204,17 @@ impl Recorder for FileRecorder<'_> {
     }
 
     fn restore_saved(&mut self, restore: &mut RestoreState) -> Result<bool, Error> {
-        let Some(checkpoint) =
-            Checkpoint::read(self.run_context.folder).map_err(CommandError::from)?
-        else {
-            return Ok(false);
+        let mut restore_last = || -> Result<bool, CommandError> {
+            let Some(checkpoint) = Checkpoint::read(self.run_context.folder)? else {
+                return Ok(false);
+            };
+            Ok(self.open_state(&checkpoint)?.restore(restore)?.is_some())
         };
-        let restored =
-            self.open_state(&checkpoint)?.restore(restore).map_err(CommandError::from)?;
-        Ok(restored.is_some())
+        // Without the checkpoint the run still ends with its fault: all steps are repeated.
+        Ok(restore_last().unwrap_or_else(|error| {
+            self.run_files.append_log(&format!("all steps are repeated: {error}"));
+            false
+        }))
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

@@ -157,7 +157,7 @@ struct TimeFields<'a, S: Simulation, V> {
     /// Time of the fields, s.
     time: f64,
     /// Fields before the last step, and the fraction of this step, between which fields are interpolated.
-    before: Option<(&'a StoredFields, f64)>,
+    before: Option<(&'a io::Result<StoredFields>, f64)>,
     /// Largest strain of the fields that have been read.
     largest_strain: Cell<f64>,
 }
@@ -167,7 +167,7 @@ impl<'a, S: Simulation, V: OutputConverter<S>> TimeFields<'a, S, V> {
         converter: &'a V,
         simulation: &'a S,
         (fields, time): (&'a S::Fields, f64),
-        before: Option<&'a StoredFields>,
+        before: Option<&'a io::Result<StoredFields>>,
     ) -> Self {
         let before = before.zip(converter.step_fraction(fields));
         Self { converter, simulation, fields, time, before, largest_strain: Cell::new(0.0) }
@@ -177,7 +177,7 @@ impl<'a, S: Simulation, V: OutputConverter<S>> TimeFields<'a, S, V> {
 impl<S: Simulation, V: OutputConverter<S>> FieldSource for TimeFields<'_, S, V> {
     fn describe(&self) -> OutputFields {
         let mut found = self.converter.describe_fields(self.simulation, self.fields, self.time);
-        if let Some((before, fraction)) = self.before {
+        if let Some((Ok(before), fraction)) = self.before {
             before.interpolate_joints(fraction, &mut found);
         }
         found
@@ -195,7 +195,10 @@ impl<S: Simulation, V: OutputConverter<S>> FieldSource for TimeFields<'_, S, V> 
         let Self { converter, simulation, fields, time, .. } = self;
         let mut found = converter.convert_layers(simulation, fields, layers.clone(), *time);
         if let Some((before, fraction)) = self.before {
-            before.interpolate_layers(&layers, fraction, &mut found)?;
+            let cause = |error: &io::Error| {
+                io::Error::new(error.kind(), format!("fields before the step: {error}"))
+            };
+            before.as_ref().map_err(cause)?.interpolate_layers(&layers, fraction, &mut found)?;
         }
         let strain = converter.find_largest_strain(&found);
         self.largest_strain.set(self.largest_strain.get().max(strain));
@@ -213,8 +216,9 @@ struct RecorderObserver<'a, V> {
     account_table_kinds: Vec<TableKind>,
     /// Duration of the simulation, s.
     duration: f64,
-    /// Output fields before the last step, if a snapshot within it needs them.
-    fields_before: Option<StoredFields>,
+    /// Output fields before the last step, if a snapshot within it needs them. A failure to store them is one of that
+    /// snapshot: all ranks are then asked for the outcome.
+    fields_before: Option<io::Result<StoredFields>>,
 }
 
 impl<V> RecorderObserver<'_, V> {
@@ -267,7 +271,7 @@ impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, 
         let moment = (&present, simulation.time());
         let source = TimeFields::new(self.converter, simulation, moment, None);
         let folder = self.recorder.scratch_folder();
-        self.fields_before = Some(StoredFields::store(&source, folder.as_deref())?);
+        self.fields_before = Some(StoredFields::store(&source, folder.as_deref()));
         Ok(())
     }
 

@@ -98,7 +98,7 @@ pub enum StepStatistics {
         energy: f64,
         /// Number of cells of the grid.
         cell_count: usize,
-        /// Number of threads of the solver, one per subdomain.
+        /// Number of threads of the solver.
         thread_count: usize,
     },
     /// Statistics of the time steps of a flow.

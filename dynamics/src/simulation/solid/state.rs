@@ -27,8 +27,10 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         cells: &mut dyn CellSections,
     ) -> bool {
         let without_lists = || {
-            let work =
-                state.numbered_sections("work").map(from_bytes).collect::<Option<Vec<_>>>()?;
+            let work = state
+                .numbered_sections(WORK_SECTION)
+                .map(from_bytes)
+                .collect::<Option<Vec<_>>>()?;
             let interlayers = match state.sections.get(INTERLAYERS_SECTION) {
                 Some(bytes) => T::from_bytes(bytes)?,
                 None => Vec::new(),

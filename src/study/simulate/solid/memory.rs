@@ -40,6 +40,9 @@ const PADDING_LANES: usize = 10;
 /// and compressed values.
 const SNAPSHOT_MEMORY_BYTES: f64 = 12.0 * 1048576.0;
 
+/// Copies of a layer of cells with all arrays, by measurement, while final fields and while snapshots are written.
+const SLAB_COPIES: [f64; 2] = [1.5, 2.5];
+
 /// Lists with a value by cell that are in memory besides the state, by measurement: one as a checkpoint is written.
 const LIST_COPIES: f64 = 1.17;
 
@@ -52,12 +55,11 @@ const DISSIPATION_LISTS: f64 = 1.17;
 const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
 
 impl SolidJob<'_> {
-    /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial
-    /// values, and of joints; plus all snapshots if `keeps_snapshots` is set; plus the solver with one list of values by cell
-    /// for a checkpoint and the layers of a snapshot, or a picture, whichever is larger, since pictures are drawn when the
-    /// solver has been dropped. Of several
-    /// ranks each has a share of all but the program and the boundaries: `own_share` of the
-    /// cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
+    /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial values,
+    /// and of joints; plus all snapshots if `keeps_snapshots` is set; plus the solver with one list of values by cell for a
+    /// checkpoint and some layers of cells of a snapshot, or a picture, whichever is larger, since pictures are drawn when
+    /// the solver has been dropped. Of several ranks each has a share of all but the program and the boundaries: `own_share`
+    /// of the cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
     pub(in crate::study::simulate) fn estimate_memory(
         &self,
         keeps_snapshots: bool,
@@ -69,9 +71,15 @@ impl SolidJob<'_> {
         let dissipation = if self.yields() { DISSIPATION_LISTS } else { 0.0 };
         let integrals = output.integrated_components.len() as f64;
         let has_snapshots = output.snapshot_interval > 0.0;
-        let snapshot = if has_snapshots { SNAPSHOT_MEMORY_BYTES } else { 0.0 };
+        let layers = *grid.cells.last().unwrap_or(&1) as f64;
+        let layer = wide * self.numbers_per_snapshot_cell() as f64 / layers;
+        let (slab_copies, slab) = match has_snapshots {
+            true => (SLAB_COPIES[1], SNAPSHOT_MEMORY_BYTES),
+            false => (SLAB_COPIES[0], 0.0),
+        };
         let kept = match keeps_snapshots {
-            true => snapshot_count(output.snapshot_interval, time.duration),
+            // Fields between two steps are in memory, too.
+            true => snapshot_count(output.snapshot_interval, time.duration) + slab_copies,
             false => 0.0,
         };
         let per_cell = wide * initial.len() as f64 + kept * shown + size_of::<u16>() as f64;
@@ -79,10 +87,11 @@ impl SolidJob<'_> {
         let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
         let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
-        let [solver, boundaries] = self.estimate_solver_memory();
+        let [solver, boundaries] = self.estimate_solver_memory(own_share < 1.0);
         // All ranks have the values at boundaries.
         let cells = own_share * grid.cell_count() as f64;
         let (solver, joints) = (stored_share * solver, own_share * joints);
+        let output = slab.max(slab_copies * layer * cells);
         let lists = cells * wide * (LIST_COPIES + dissipation + integrals);
         let pictures = PICTURE_MEMORY_BYTES + joint_pictures + cells * PICTURE_BYTES_PER_CELL;
         Bytes(
@@ -90,12 +99,12 @@ impl SolidJob<'_> {
                 + boundaries
                 + cells * per_cell
                 + joints
-                + (solver + lists + snapshot).max(pictures),
+                + (solver + lists + output).max(pictures),
         )
     }
 
     /// Estimates the memory of the solver, bytes: of the fields, and of values by line and at boundaries.
-    fn estimate_solver_memory(&self) -> [f64; 2] {
+    fn estimate_solver_memory(&self, is_distributed: bool) -> [f64; 2] {
         let SolidRun { grid, scheme, .. } = self.solid_run;
         let fields = Medium::state_fields(&self.media).len();
         let number = self.number_size() as f64;
@@ -106,7 +115,7 @@ impl SolidJob<'_> {
             let solver = grid.cell_count() as f64 * fields as f64 * number;
             return [solver, BYTES_PER_REFERENCE_BOUNDARY_LINE * boundary_lines];
         }
-        let cells = self.solver_cells();
+        let cells = self.solver_cells(is_distributed);
         let (line_count, dimensions) = match cells[..] {
             [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3), 1),
             [n1, _] => (n1, 0),
@@ -133,8 +142,9 @@ impl SolidJob<'_> {
     /// Returns the numbers of cells in the axis order of the solver, as
     /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
     /// splitting the last axis with a reflecting boundary is moved to the front. If this axis is idle (one cell,
-    /// periodic, without contacts), the first one that is not is moved before it.
-    fn solver_cells(&self) -> Vec<usize> {
+    /// periodic, without contacts), the first one that is not is moved before it, unless the cells are distributed over
+    /// ranks.
+    fn solver_cells(&self, is_distributed: bool) -> Vec<usize> {
         let SolidRun { grid, scheme, .. } = self.solid_run;
         let mut axes: Vec<usize> = (0..grid.cells.len()).collect();
         if axes.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
@@ -168,8 +178,10 @@ impl SolidJob<'_> {
             })
         };
         let is_idle = |axis: &usize| {
-            grid.cells[*axis] == 1
+            !is_distributed
+                && grid.cells[*axis] == 1
                 && is_periodic(*axis)
+                && !grid.is_polar()
                 && !has_contacts
                 && self.joint_face_count() == 0
         };
