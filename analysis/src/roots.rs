@@ -51,8 +51,8 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
     }
 }
 
-/// The roots of a polynomial in x² as pairs ±√z of its roots z; `None` for other polynomials, and if two of the z are close:
-/// the iteration spreads close roots evenly about their mean.
+/// The roots of a polynomial in x² as pairs ±√z of its roots z; `None` for other polynomials, and if two of the z are
+/// close, hence ill-conditioned.
 fn solve_even(coefficients: &[Complex64]) -> Option<StackList<Complex64>> {
     /// Distance of two roots z, relative to the larger one, below which they are close.
     const CLOSE_DISTANCE: f64 = 1e-2;
