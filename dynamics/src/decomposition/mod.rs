@@ -66,28 +66,39 @@ struct Subdomain<T: SolverReal, const D: usize> {
     records: Vec<f64>,
 }
 
+/// Subdomains that a thread advances. If it ends early, by a panic or since a neighbour has, the channels are dropped, so
+/// that receiving fails in the neighbouring threads instead of blocking.
+struct ConnectedSubdomains<'a, T: SolverReal, const D: usize> {
+    subdomains: &'a mut [Subdomain<T, D>],
+    is_finished: bool,
+}
+
+impl<T: SolverReal, const D: usize> Drop for ConnectedSubdomains<'_, T, D> {
+    fn drop(&mut self) {
+        if !self.is_finished {
+            self.subdomains.iter_mut().for_each(|own| own.channels = Channels::default());
+        }
+    }
+}
+
 impl<T: SolverReal, const D: usize> Subdomain<T, D> {
     /// Advances the subdomains of a thread.
     fn advance_all(subdomains: &mut [Self], steps: usize) -> Result<(), Disconnected> {
-        // A panic drops the channels, so that receiving fails in the neighbouring threads instead of blocking.
-        let mut channels: Vec<_> =
-            subdomains.iter_mut().map(|own| std::mem::take(&mut own.channels)).collect();
-        let max_pass_steps = subdomains.first().map_or(1, |own| own.domain.max_pass_steps());
+        let mut own = ConnectedSubdomains { subdomains, is_finished: false };
+        let max_pass_steps = own.subdomains.first().map_or(1, |own| own.domain.max_pass_steps());
         let mut remaining = steps;
         while remaining > 0 {
             let steps = remaining.min(max_pass_steps);
-            for (own, channels) in subdomains.iter_mut().zip(&mut channels) {
-                own.domain.begin_pass(channels)?;
+            for Self { domain, channels, .. } in own.subdomains.iter_mut() {
+                domain.begin_pass(channels)?;
             }
-            for (own, channels) in subdomains.iter_mut().zip(&mut channels) {
-                own.domain.complete_pass(steps, channels)?;
-                own.domain.drain_records(&mut own.records);
+            for Self { domain, channels, records, .. } in own.subdomains.iter_mut() {
+                domain.complete_pass(steps, channels)?;
+                domain.drain_records(records);
             }
             remaining -= steps;
         }
-        for (own, channels) in subdomains.iter_mut().zip(channels) {
-            own.channels = channels;
-        }
+        own.is_finished = true;
         Ok(())
     }
 
