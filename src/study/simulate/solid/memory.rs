@@ -19,12 +19,15 @@ const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
 const PICTURE_MEMORY_BYTES: f64 = 55.0 * 1048576.0;
 const PICTURE_BYTES_PER_CELL: f64 = 46.0;
 
+/// The same for the animation of snapshots, bytes per cell.
+const ANIMATION_BYTES_PER_CELL: f64 = 24.0;
+
 /// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
 const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
 
 /// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
 /// or along the last two axes in three, by measurement: interface states, in three dimensions with boundary values.
-const NUMBERS_PER_LINE: [f64; 2] = [5.7, 12.0];
+const NUMBERS_PER_LINE: [f64; 2] = [5.7, 13.5];
 
 /// Memory per pair of waves for both faces at the ends of a line of cells, bytes, by measurement: the condition of the
 /// case, its position and that of the solver; by number of dimensions.
@@ -49,10 +52,9 @@ const LIST_COPIES: f64 = 1.17;
 /// Lists with the plastic dissipation by cell in the solver, by measurement.
 const DISSIPATION_LISTS: f64 = 1.17;
 
-/// Memory of a face of a joint in multiples of its output, by measurement, without and with snapshots: history
-/// variables, their copies for checkpoints, lists of faces, and copies of the output while files and pictures are
-/// created.
-const JOINT_COPIES: [f64; 2] = [4.0, 6.4];
+/// Memory of a face of a joint in multiples of its output, by measurement: history variables, lists of faces, and copies
+/// of the output while files and pictures are created.
+const JOINT_COPIES: f64 = 5.4;
 
 impl SolidJob<'_> {
     /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial values,
@@ -84,7 +86,7 @@ impl SolidJob<'_> {
         };
         let per_cell = wide * initial.len() as f64 + kept * shown + size_of::<u16>() as f64;
         let joint_faces = self.joint_face_count() as f64;
-        let joint_copies = JOINT_COPIES[usize::from(has_snapshots)] + kept;
+        let joint_copies = JOINT_COPIES + kept;
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
         let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
         let [solver, boundaries] = self.estimate_solver_memory(own_share < 1.0);
@@ -93,7 +95,9 @@ impl SolidJob<'_> {
         let (solver, joints) = (stored_share * solver, own_share * joints);
         let output = slab.max(slab_copies * layer * cells);
         let lists = cells * wide * (LIST_COPIES + dissipation + integrals);
-        let pictures = PICTURE_MEMORY_BYTES + joint_pictures + cells * PICTURE_BYTES_PER_CELL;
+        let animation = if has_snapshots { ANIMATION_BYTES_PER_CELL } else { 0.0 };
+        let pictures =
+            PICTURE_MEMORY_BYTES + joint_pictures + cells * (PICTURE_BYTES_PER_CELL + animation);
         Bytes(
             PROGRAM_MEMORY_BYTES
                 + boundaries
