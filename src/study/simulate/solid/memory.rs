@@ -27,7 +27,7 @@ const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
 
 /// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
 /// or along the last two axes in three, by measurement: interface states, in three dimensions with boundary values.
-const NUMBERS_PER_LINE: [f64; 2] = [5.7, 13.5];
+const NUMBERS_PER_LINE: [f64; 2] = [5.7, 16.5];
 
 /// Memory per pair of waves for both faces at the ends of a line of cells, bytes, by measurement: the condition of the
 /// case, its position and that of the solver; by number of dimensions.
