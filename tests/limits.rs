@@ -202,13 +202,14 @@ fn memory_of_maps_is_announced() {
     assert!(String::from_utf8_lossy(&plan.stdout).contains("MiB of memory\n"));
 }
 
-/// Checks that the announced memory of a run is not less than its peak memory by more than 15 %, nor greater by more than
-/// 35 %: pictures of thin grids take less than others.
-fn assert_memory_is_announced(name: &str, case: &str, settings: &str) {
+/// Checks that the announced memory of a run is within 15 % of its peak memory; within 30 % for grids that are 2 to 4 cells
+/// thin, whose pictures take less, and whose many short lines keep memory when they are dropped.
+fn assert_memory_is_announced(name: &str, case: &str, settings: &str, is_thin: bool) {
     let (announced, peak) = measure_memory(name, case, settings);
     println!("{settings}: {:.0} MiB, said {:.0}", peak / 1048576.0, announced / 1048576.0);
-    let ratio = announced / peak;
-    assert!((0.85..1.35).contains(&ratio), "{settings}: {peak:e}, said {announced:e}");
+    let tolerance = if is_thin { 0.3 } else { 0.15 };
+    let is_near = (announced - peak).abs() < tolerance * peak;
+    assert!(is_near, "{settings}: {peak:e}, said {announced:e}");
 }
 
 /// Verifies the announced memory against the peak memory for media and grids of many shapes: large, small, wide, thin,
@@ -264,7 +265,9 @@ spacing = 1
         let settings = format!("--set grid.cells=[{cells}] --set time.duration=1e-3 {settings}");
         let case = case.replace("spacing", "cells = [1, 1]\nspacing");
         let case = case.clone() + "[time]\nduration = 1\n";
-        assert_memory_is_announced(&format!("memory-{index}"), &case, &settings);
+        let thickness = cells.split(',').map(|own| own.parse().unwrap()).min();
+        let is_thin = thickness.is_some_and(|own: usize| (2..=4).contains(&own));
+        assert_memory_is_announced(&format!("memory-{index}"), &case, &settings, is_thin);
     }
 }
 
@@ -284,7 +287,7 @@ fn peak_memory_of_blocky_media_agrees_with_announced_memory() {
     .enumerate()
     {
         let settings = format!("{settings} --set time.duration=1e-4");
-        assert_memory_is_announced(&format!("blocky-memory-{index}"), case, &settings);
+        assert_memory_is_announced(&format!("blocky-memory-{index}"), case, &settings, false);
     }
 }
 

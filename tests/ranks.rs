@@ -445,6 +445,36 @@ fn a_killed_rank_ends_the_others_and_the_run_resumes() {
     }
 }
 
+/// Verifies that the results of a run that stops at a value that is not finite do not depend on the checkpoint from which
+/// the last valid state is searched, in one process and on ranks.
+#[test]
+fn stopped_runs_have_the_same_results_with_and_without_checkpoints() {
+    // The phase of the sine overflows, after at least one batch of steps.
+    let load = "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1\n\
+                time = { kind = 'sine', frequency = 1e308, start = 0.1 }\n";
+    let case = solid_case().replace("[[receiver]]", &format!("{load}[[receiver]]"));
+    let arguments = |interval: f64| {
+        format!(
+            "run case.toml --out out --checkpoint-every {interval} {WITHOUT_PICTURES} --threads 1"
+        )
+    };
+    let stop = |name: &str, interval: f64| {
+        let folder = create_case_folder(TEST_FOLDER, name, &case);
+        run_with_exit_code(3, &folder, &arguments(interval));
+        let log = fs::read_to_string(folder.join("out/log.txt")).unwrap();
+        assert_eq!(log.contains("checkpoint at step"), interval == 0.0, "{log}");
+        read_result_files(&folder.join("out"))
+    };
+    let expected = stop("stopped", 1e6);
+    assert!(stop("stopped-checkpoints", 0.0) == expected);
+    for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
+        let folder = create_case_folder(TEST_FOLDER, &format!("stopped{index}"), &case);
+        drop(launcher.run_with_exit_code(3, &folder, 3, &arguments(0.0)));
+        run_with_exit_code(0, &folder, &format!("gather out {WITHOUT_PICTURES}"));
+        assert!(read_result_files(&folder.join("out")) == expected, "{launcher:?}");
+    }
+}
+
 /// Kills one rank at a random moment, and resumes with another number of ranks or in one process, which another kill may
 /// interrupt.
 #[test]

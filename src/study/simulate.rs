@@ -23,8 +23,8 @@ pub use cost::{Cost, CostAmount, CostExcess};
 pub use joint::{FaceRecord, JOINT_QUANTITIES, JointFace, JointQuantity, JointSummary};
 pub use plan::{ProblemSize, SimulationPlan, SimulationWarning};
 pub use recorder::{
-    FieldSource, OutputPart, Recorder, RestoreState, RunProgress, SavedState, StepStatistics,
-    TableHeader, TableKind, column_unit,
+    FieldSource, FieldStore, OutputPart, Recorder, RestoreState, RunProgress, SavedState,
+    StepStatistics, TableHeader, TableKind, column_unit,
 };
 pub use run_result::{
     FieldQuantity, FinalLedger, OutputFields, RecordColumn, RecordTable, RunReceiver, RunRecords,

@@ -176,9 +176,9 @@ fn arrays_appended_in_pieces_give_the_same_bytes() {
     let values: Vec<Vec<u8>> = arrays
         .iter()
         .map(|array| {
-            // Noise, so that compressed values exceed what is kept in memory.
-            let noise = |i: u64| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as u8;
-            (0..(count * array.cell_size()) as u64).map(noise).collect()
+            // Pseudorandom bytes cannot be compressed: the compressed values are too large to be kept in memory.
+            let random = |i: u64| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as u8;
+            (0..(count * array.cell_size()) as u64).map(random).collect()
         })
         .collect();
     let image = |storage| {

@@ -39,7 +39,7 @@ pub enum LayerLaw<N> {
 }
 
 /// State of a face of a layer for output; quantities that its law does not have are zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FaceRecord<N> {
     /// Slip χ, m.
     pub slip: N,

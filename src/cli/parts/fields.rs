@@ -3,7 +3,7 @@
 use super::boxes::{BoxCopy, count_cells};
 use crate::case::dynamics::SolidGrid;
 use crate::cli::folder::{OutputError, create_write_error};
-use crate::study::simulate::{FaceRecord, FieldSource, JointFace, OutputFields};
+use crate::study::simulate::{FaceRecord, FieldSource, FieldStore, JointFace, OutputFields};
 use files::FileError;
 use files::section_file::{
     SectionFileError, SectionFileProblem, visit_section, visit_sections, write_sections,
@@ -22,6 +22,15 @@ const JOINTS: &str = "joints";
 
 /// Number of numbers that describe a face of a joint.
 const FACE_NUMBERS: usize = 14;
+
+/// Bytes of fields up to which a store keeps them in memory.
+const IN_MEMORY_BYTES: usize = 4 << 20;
+
+/// Creates a store for the fields before a step: in memory or, if they are large, in a file without a name in a folder, which
+/// the system removes with the process.
+pub(in crate::cli) fn create_field_store(folder: &Path) -> Box<dyn FieldStore> {
+    Box::new(tempfile::spooled_tempfile_in(IN_MEMORY_BYTES, folder))
+}
 
 /// Writes the fields of the cells `cells` along each axis to a file, a few layers of cells at a time.
 ///

@@ -7,5 +7,5 @@ mod state;
 
 pub(super) use archive::write_field_archive;
 pub(super) use boxes::{BoxCopy, count_cells};
-pub(super) use fields::{FieldParts, write_fields, write_joints};
+pub(super) use fields::{FieldParts, create_field_store, write_fields, write_joints};
 pub(super) use state::{StateFile, StateFiles, write_state_sections};

@@ -6,10 +6,11 @@ use crate::Error;
 use crate::case::Case;
 use crate::cli::CommandError;
 use crate::cli::folder::{AppendedFile, OutputError};
+use crate::cli::parts::create_field_store;
 use crate::cli::run::{Checkpoint, FileRecorder, OpenedState};
 use crate::study::simulate::{
-    FieldSource, OutputFields, OutputPart, Recorder, RestoreState, RunProgress, RunRecords,
-    SavedState, TableHeader, TableKind,
+    FieldSource, FieldStore, OutputFields, OutputPart, Recorder, RestoreState, RunProgress,
+    RunRecords, SavedState, TableHeader, TableKind,
 };
 use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::RegularTimes;
@@ -181,8 +182,8 @@ impl Recorder for RankRecorder<'_, '_> {
         Ok(())
     }
 
-    fn scratch_folder(&self) -> Option<PathBuf> {
-        Some(self.writer.folder.clone())
+    fn create_field_store(&self) -> Box<dyn FieldStore> {
+        create_field_store(&self.writer.folder)
     }
 
     fn record_snapshot(&mut self, index: usize, fields: &dyn FieldSource) -> Result<(), Error> {

@@ -7,20 +7,19 @@ use super::run_files::{RunFiles, read_records};
 use crate::Error;
 use crate::cli::CommandError;
 use crate::cli::folder::{PartFile, RunFolder, has_joint_files, snapshot_file_names};
-use crate::cli::parts::write_fields;
+use crate::cli::parts::{create_field_store, write_fields};
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
 use crate::report::run::{DisplayTime, create_joint_lines, whole_image, write_image};
 use crate::study::simulate::{
-    FieldSource, OutputFields, OutputPart, Recorder, RestoreState, RunProgress, RunRecords,
-    StepStatistics, TableHeader, TableKind,
+    FieldSource, FieldStore, OutputFields, OutputPart, Recorder, RestoreState, RunProgress,
+    RunRecords, StepStatistics, TableHeader, TableKind,
 };
 use dynamics::simulation::RegularTimes;
 use files::SeekableWriter;
 use files::lock::Lock;
 use std::io::{self, IsTerminal as _, Write as _};
-use std::path::PathBuf;
 use std::time::Instant;
 
 /// Number of increments of the progress bar over the duration of a run.
@@ -171,8 +170,8 @@ impl Recorder for FileRecorder<'_> {
         Ok(self.run_files.append_row(table.into(), row)?)
     }
 
-    fn scratch_folder(&self) -> Option<PathBuf> {
-        Some(self.run_context.folder.path().to_path_buf())
+    fn create_field_store(&self) -> Box<dyn FieldStore> {
+        create_field_store(self.run_context.folder.path())
     }
 
     fn record_snapshot(&mut self, index: usize, fields: &dyn FieldSource) -> Result<(), Error> {

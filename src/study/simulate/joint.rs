@@ -196,18 +196,6 @@ impl JointSummary {
 mod tests {
     use super::*;
 
-    const FACE_AT_REST: FaceRecord<f64> = FaceRecord {
-        slip: 0.0,
-        opening: 0.0,
-        slip_time: 0.0,
-        fracture_time: 0.0,
-        normal_stress: 0.0,
-        shear_stress: 0.0,
-        porosity: 0.0,
-        pressure: 0.0,
-        fluid_velocity: 0.0,
-    };
-
     fn new_face(record: FaceRecord<f64>) -> JointFace {
         JointFace { position: [1.0, 0.25], axis: 0, length: 0.5, joint_index: 2, record }
     }
@@ -216,10 +204,15 @@ mod tests {
     #[test]
     fn faces_are_counted_by_state() {
         let faces = [
-            FACE_AT_REST,
-            FaceRecord { slip: 2e-6, slip_time: 3e-5, ..FACE_AT_REST },
-            FaceRecord { slip: 1e-6, slip_time: 2e-5, fracture_time: 4e-5, ..FACE_AT_REST },
-            FaceRecord { opening: 5e-6, fracture_time: 3e-5, ..FACE_AT_REST },
+            FaceRecord::default(),
+            FaceRecord { slip: 2e-6, slip_time: 3e-5, ..FaceRecord::default() },
+            FaceRecord {
+                slip: 1e-6,
+                slip_time: 2e-5,
+                fracture_time: 4e-5,
+                ..FaceRecord::default()
+            },
+            FaceRecord { opening: 5e-6, fracture_time: 3e-5, ..FaceRecord::default() },
         ]
         .map(new_face);
         let expected = JointSummary {
@@ -246,7 +239,7 @@ mod tests {
     /// Verifies the ends of a face, and that times of absent events are serialised as null.
     #[test]
     fn faces_are_serialised_by_columns() {
-        let face = new_face(FaceRecord { slip_time: 3e-5, ..FACE_AT_REST });
+        let face = new_face(FaceRecord { slip_time: 3e-5, ..FaceRecord::default() });
         assert_eq!(face.ends(), [[1.0, 0.0], [1.0, 0.5]]);
         let json = serde_json::to_value(&face).expect("JSON");
         let expected = [("axis", 1.0), ("joint", 2.0), ("x2", 0.25), ("slip_time", 3e-5)];

@@ -270,8 +270,8 @@ impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, 
         let present = simulation.fields();
         let moment = (&present, simulation.time());
         let source = TimeFields::new(self.converter, simulation, moment, None);
-        let folder = self.recorder.scratch_folder();
-        self.fields_before = Some(StoredFields::store(&source, folder.as_deref()));
+        let store = self.recorder.create_field_store();
+        self.fields_before = Some(StoredFields::new(&source, store));
         Ok(())
     }
 

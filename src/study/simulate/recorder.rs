@@ -7,7 +7,6 @@ use dynamics::decomposition::communicator::Communicator;
 use dynamics::simulation::{CellSections, RegularTimes, SimulationState, StatePart, StateSource};
 use std::io;
 use std::ops::Range;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Kind of a table to which a simulation appends rows.
@@ -176,6 +175,11 @@ impl dyn FieldSource + '_ {
 /// Bytes of values that are in memory while fields are written, unless a layer of cells has more.
 const SLAB_BYTES: usize = 4 << 20;
 
+/// Store of bytes that are written, then read again.
+pub trait FieldStore: io::Read + io::Write + io::Seek {}
+
+impl<S: io::Read + io::Write + io::Seek> FieldStore for S {}
+
 /// Recorder of the output of a simulation. An error returned by any method ends the run.
 pub trait Recorder: Send {
     /// Returns the communication between the ranks that make the simulation together; `None` if this process makes it
@@ -211,10 +215,9 @@ pub trait Recorder: Send {
     /// The output cannot be recorded.
     fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error>;
 
-    /// Returns the folder for files without names that fields are stored in until they are recorded; `None` if they are
-    /// stored in memory.
-    fn scratch_folder(&self) -> Option<PathBuf> {
-        None
+    /// Creates the store in which fields are kept until they are recorded; in memory by default.
+    fn create_field_store(&self) -> Box<dyn FieldStore> {
+        Box::new(io::Cursor::new(Vec::new()))
     }
 
     /// Records a snapshot with its index, from 0, and fields.

@@ -1,37 +1,27 @@
 //! Output fields that are stored by layers of cells until a snapshot within the next step needs them.
 
-use super::{FieldSource, OutputFields};
+use super::{FieldSource, FieldStore, OutputFields};
 use std::cell::RefCell;
-use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, SeekFrom};
 use std::ops::Range;
-use std::path::Path;
-use tempfile::{SpooledTempFile, spooled_tempfile, spooled_tempfile_in};
-
-/// Bytes of stored fields up to which they are kept in memory.
-const IN_MEMORY_BYTES: usize = 4 << 20;
 
 /// Output fields of a state, stored layer by layer, each with the values of all arrays one after the other.
 pub(super) struct StoredFields {
-    file: RefCell<SpooledTempFile>,
+    store: RefCell<Box<dyn FieldStore>>,
     /// All but the values by cell.
     description: OutputFields,
     layer_size: usize,
 }
 
 impl StoredFields {
-    /// Stores the output fields of a source: large ones in a file without a name in the folder `scratch_folder`, in memory
-    /// if there is none.
+    /// Stores the output fields of a source in an empty store.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub(super) fn store(
+    /// The store cannot be written.
+    pub(super) fn new(
         source: &dyn FieldSource,
-        scratch_folder: Option<&Path>,
+        mut store: Box<dyn FieldStore>,
     ) -> io::Result<Self> {
-        let mut file = match scratch_folder {
-            Some(folder) => spooled_tempfile_in(IN_MEMORY_BYTES, folder),
-            None => spooled_tempfile(usize::MAX),
-        };
         let layer_size = source.layer_size();
         for slab in source.slabs() {
             let mut slab = slab?;
@@ -40,18 +30,18 @@ impl StoredFields {
             for layer in 0..layer_count {
                 let cells = layer * layer_size..(layer + 1) * layer_size;
                 for own in &arrays {
-                    file.write_all(&files::encode_numbers(&own[cells.clone()]))?;
+                    store.write_all(&files::encode_numbers(&own[cells.clone()]))?;
                 }
             }
         }
-        Ok(Self { file: RefCell::new(file), description: source.describe(), layer_size })
+        Ok(Self { store: RefCell::new(store), description: source.describe(), layer_size })
     }
 
     /// Interpolates linearly to the fields `later` of a later state in some layers, in their memory; `fraction`: fraction of
     /// the time between the states.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// The store cannot be read.
     pub(super) fn interpolate_layers(
         &self,
         layers: &Range<usize>,
@@ -61,10 +51,10 @@ impl StoredFields {
         let size = self.layer_size;
         let mut arrays: Vec<&mut [f64]> = arrays(later).collect();
         let mut bytes = vec![0; arrays.len() * size * size_of::<f64>()];
-        let mut file = self.file.borrow_mut();
-        file.seek(SeekFrom::Start((layers.start * bytes.len()) as u64))?;
+        let mut store = self.store.borrow_mut();
+        store.seek(SeekFrom::Start((layers.start * bytes.len()) as u64))?;
         for layer in 0..layers.len() {
-            file.read_exact(&mut bytes)?;
+            store.read_exact(&mut bytes)?;
             let (before, _) = bytes.as_chunks();
             for (array, before) in arrays.iter_mut().zip(before.chunks(size.max(1))) {
                 let after = &mut array[layer * size..(layer + 1) * size];
@@ -122,17 +112,8 @@ mod tests {
 
     impl FieldSource for Known {
         fn describe(&self) -> OutputFields {
-            let record = FaceRecord {
-                slip: self.rate,
-                opening: 0.0,
-                slip_time: self.rate,
-                fracture_time: 0.0,
-                normal_stress: 0.0,
-                shear_stress: 0.0,
-                porosity: 0.0,
-                pressure: 0.0,
-                fluid_velocity: 0.0,
-            };
+            let record =
+                FaceRecord { slip: self.rate, slip_time: self.rate, ..FaceRecord::default() };
             let face =
                 JointFace { position: [0.0; 2], axis: 0, length: 1.0, joint_index: 0, record };
             let names = ["v1", "sigma12"].map(str::to_owned);
@@ -166,25 +147,18 @@ mod tests {
         }
     }
 
+    /// Verifies values between two states that grow linearly from layer to layer.
     #[test]
-    fn fields_are_interpolated_from_memory_and_file() {
-        let folder = tempfile::tempdir().expect("a folder");
-        for scratch_folder in [None, Some(folder.path())] {
-            let stored = StoredFields::store(&Known { rate: 1.0 }, scratch_folder).expect("room");
-            let layers = LAYERS - 2..LAYERS;
-            let mut later = Known { rate: 5.0 }.read_layers(layers.clone()).expect("values");
-            stored.interpolate_layers(&layers, 0.25, &mut later).expect("values");
-            // The rates 1 and 5 become 2.
-            assert_eq!(
-                later,
-                Known { rate: 2.0 }
-                    .read_layers(layers)
-                    .map(|own| OutputFields { joint_faces: later.joint_faces.clone(), ..own })
-                    .expect("values")
-            );
-            stored.interpolate_joints(0.25, &mut later);
-            let record = later.joint_faces[0].record;
-            assert_eq!((record.slip, record.slip_time), (2.0, 5.0));
-        }
+    fn stored_fields_are_interpolated() {
+        let store = Box::new(io::Cursor::new(Vec::new()));
+        let stored = StoredFields::new(&Known { rate: 1.0 }, store).expect("room");
+        let layers = LAYERS - 2..LAYERS;
+        let mut later = Known { rate: 5.0 }.read_layers(layers.clone()).expect("values");
+        stored.interpolate_layers(&layers, 0.25, &mut later).expect("values");
+        stored.interpolate_joints(0.25, &mut later);
+        // The rates 1 and 5 become 2, but times of events remain those of the later state.
+        let mut expected = Known { rate: 2.0 }.read_layers(layers).expect("values");
+        expected.joint_faces[0].record.slip_time = 5.0;
+        assert_eq!(later, expected);
     }
 }

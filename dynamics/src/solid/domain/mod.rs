@@ -8,7 +8,7 @@
 //! | `materials`, `material_table` | media by lane pattern, wave constants and energy coefficients |
 //! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts of rows and lines |
 //! | `sweep` | sweeps by axis and the work done at boundaries |
-//! | `idle_axes` | what is left of sweeps along axes of one cell |
+//! | `idle_axes` | sweeps along axes of one cell, which change the signs of zeros only |
 //! | `lane_laws`, `cell_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flushing |
 //! | `stress_mapping` | return mapping: dispatch to the following three; scalar formulas: `models::yield_set` |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |

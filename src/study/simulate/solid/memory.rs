@@ -80,9 +80,11 @@ impl SolidJob<'_> {
             false => (SLAB_COPIES[0], 0.0),
         };
         let kept = match keeps_snapshots {
-            // Fields between two steps are in memory, too.
-            true => snapshot_count(output.snapshot_interval, time.duration) + slab_copies,
-            false => 0.0,
+            // The fields before a step are in memory, too.
+            true if has_snapshots => {
+                snapshot_count(output.snapshot_interval, time.duration) + slab_copies
+            }
+            _ => 0.0,
         };
         let per_cell = wide * initial.len() as f64 + kept * shown + size_of::<u16>() as f64;
         let joint_faces = self.joint_face_count() as f64;
