@@ -1,7 +1,6 @@
 //! Halo exchange between subdomains: on threads of the same process, and on other ranks.
 
 use super::communicator::Communicator;
-use super::messages::append_numbers;
 use super::ranks::Owner;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::domain::HaloExchange;
@@ -92,9 +91,11 @@ impl<T: Real, const D: usize> Channels<T, D> {
 
 impl RankConnection {
     fn send<T: Real>(&self, values: &[T::Lanes], ranges: impl Iterator<Item = Range<usize>>) {
-        let mut message = Vec::new();
-        for range in ranges {
-            values[range].iter().for_each(|group| append_numbers(&mut message, group.lanes()));
+        let ranges: Vec<_> = ranges.collect();
+        let mut message = vec![0; message_length::<T>(&ranges)];
+        let groups = ranges.into_iter().flat_map(|range| &values[range]);
+        for (bytes, group) in message.chunks_exact_mut(size_of::<T::Lanes>()).zip(groups) {
+            T::write_bytes(group.lanes(), bytes);
         }
         self.communicator.begin_send(self.rank, self.tags[0], message);
     }
@@ -105,15 +106,20 @@ impl RankConnection {
         ranges: impl Iterator<Item = Range<usize>>,
     ) {
         let ranges: Vec<_> = ranges.collect();
-        let groups: usize = ranges.iter().map(ExactSizeIterator::len).sum();
-        let mut message = vec![0; groups * T::Lanes::COUNT * size_of::<T>()];
+        let mut message = vec![0; message_length::<T>(&ranges)];
         self.communicator.receive(self.rank, self.tags[1], &mut message);
-        let mut numbers = T::from_bytes(&message).unwrap_or_default().into_iter();
+        let mut groups = message.chunks_exact(size_of::<T::Lanes>());
         for range in ranges {
-            let lanes = values[range].iter_mut().flat_map(|group| group.lanes_mut());
-            lanes.zip(&mut numbers).for_each(|(lane, number)| *lane = number);
+            for (group, bytes) in values[range].iter_mut().zip(&mut groups) {
+                T::read_bytes(bytes, group.lanes_mut());
+            }
         }
     }
+}
+
+/// Returns the length of a message with ranges of groups, bytes.
+fn message_length<T: Real>(ranges: &[Range<usize>]) -> usize {
+    ranges.iter().map(ExactSizeIterator::len).sum::<usize>() * size_of::<T::Lanes>()
 }
 
 impl<T: Real, const D: usize> HaloExchange<T::Lanes> for Channels<T, D> {

@@ -4,8 +4,9 @@ use crate::simd::Real;
 
 /// Appends numbers without their count.
 pub(super) fn append_numbers<T: Real>(message: &mut Vec<u8>, numbers: &[T]) {
-    message.reserve(size_of_val(numbers));
-    numbers.iter().for_each(|number| number.append_bytes(message));
+    let start = message.len();
+    message.resize(start + size_of_val(numbers), 0);
+    T::write_bytes(numbers, &mut message[start..]);
 }
 
 /// Appends a list of numbers.

@@ -16,11 +16,22 @@ pub trait Real: Number + PartialOrd {
     /// Converts to double precision, exactly.
     fn to_f64(self) -> f64;
 
-    /// Appends the bytes of the number in little-endian order.
-    fn append_bytes(self, bytes: &mut Vec<u8>);
+    /// Writes numbers as little-endian bytes.
+    fn write_bytes(numbers: &[Self], bytes: &mut [u8]);
+
+    /// Reads numbers from little-endian bytes.
+    fn read_bytes(bytes: &[u8], numbers: &mut [Self]);
 
     /// Converts little-endian bytes to numbers; `None` if their count is not a multiple of the size of a number.
-    fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>>;
+    fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {
+        let count = bytes.len() / size_of::<Self>();
+        if count * size_of::<Self>() != bytes.len() {
+            return None;
+        }
+        let mut numbers = vec![Self::ZERO; count];
+        Self::read_bytes(bytes, &mut numbers);
+        Some(numbers)
+    }
 
     /// Runs a kernel in registers of 256 bits.
     ///

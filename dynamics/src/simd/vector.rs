@@ -111,13 +111,18 @@ macro_rules! impl_real {
                 self.into()
             }
 
-            fn append_bytes(self, bytes: &mut Vec<u8>) {
-                bytes.extend_from_slice(&self.to_le_bytes());
+            fn write_bytes(numbers: &[Self], bytes: &mut [u8]) {
+                let (bytes, _) = bytes.as_chunks_mut();
+                for (bytes, number) in bytes.iter_mut().zip(numbers) {
+                    *bytes = number.to_le_bytes();
+                }
             }
 
-            fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {
-                let (numbers, []) = bytes.as_chunks() else { return None };
-                Some(numbers.iter().map(|number| Self::from_le_bytes(*number)).collect())
+            fn read_bytes(bytes: &[u8], numbers: &mut [Self]) {
+                let (bytes, _) = bytes.as_chunks();
+                for (number, bytes) in numbers.iter_mut().zip(bytes) {
+                    *number = Self::from_le_bytes(*bytes);
+                }
             }
         }
     };

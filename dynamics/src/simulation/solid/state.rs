@@ -71,8 +71,8 @@ impl<T: SolverReal, const D: usize> StateSource for SolidSimulation<T, D> {
                 .into_iter()
                 .flat_map(|([layer, axis, cell], variables)| [layer, axis, cell, variables]);
             let faces = numbers.flat_map(|number| (number as u64).to_le_bytes()).collect();
-            let mut history = Vec::new();
-            interlayer_history.iter().for_each(|value| value.append_bytes(&mut history));
+            let mut history = vec![0; size_of_val(&*interlayer_history)];
+            T::write_bytes(&interlayer_history, &mut history);
             sections.insert(INTERLAYER_FACES_SECTION.to_owned(), faces);
             sections.insert(INTERLAYERS_SECTION.to_owned(), history);
         }
@@ -111,11 +111,11 @@ fn append_pieces<V: Real>(
     values: &[V],
     append: &mut dyn FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut bytes = Vec::with_capacity(PIECE_LENGTH * size_of::<V>());
+    let mut bytes = vec![0; PIECE_LENGTH.min(values.len()) * size_of::<V>()];
     values.chunks(PIECE_LENGTH).try_for_each(|piece| {
-        bytes.clear();
-        piece.iter().for_each(|value| value.append_bytes(&mut bytes));
-        append(&bytes)
+        let bytes = &mut bytes[..size_of_val(piece)];
+        V::write_bytes(piece, bytes);
+        append(bytes)
     })
 }
 

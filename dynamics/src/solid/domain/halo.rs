@@ -4,6 +4,8 @@
 //! are exchanged before the pass, axis by axis from the first one on: the halo along an axis includes the cells in the
 //! halos along lower axes, so that edges and corners are filled by two or three successive exchanges.
 
+use super::interlayer_faces::LaneInterlayers;
+use super::layout::Layout;
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number};
 use std::convert::Infallible;
@@ -71,17 +73,33 @@ impl<T> HaloExchange<T> for () {
     }
 }
 
+/// Returns the number of groups that the field values of the cells in a box fill.
+pub(super) fn packed_groups<T: SolverReal, const D: usize>(
+    layout: &Layout<D>,
+    cells: &[Range<usize>; D],
+) -> usize {
+    let count: usize = cells.iter().map(ExactSizeIterator::len).product();
+    (count * layout.field_count).div_ceil(T::Lanes::COUNT)
+}
+
+/// Returns the number of messages of a piece of a halo: one with fields, and one with the history variables of interlayers
+/// if the problem has any.
+pub(super) fn messages_per_piece<T: SolverReal, const D: usize>(
+    interfaces: &LaneInterlayers<T, D>,
+) -> usize {
+    if interfaces.has_interlayers() { 2 } else { 1 }
+}
+
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the number of messages that a neighbour at an end of an axis may send before this domain receives the
     /// first of them.
     pub fn message_capacity(&self, axis: usize) -> usize {
-        // Along the last axis interlayers have separate messages.
-        let messages_per_layer = if self.interfaces.has_interlayers() { 2 } else { 1 };
-        match axis + 1 == D {
-            // A neighbour may be one block of rows ahead.
-            true => messages_per_layer * 2 * self.layout.halo(axis).into_iter().max().unwrap_or(0),
-            false => messages_per_layer * 2,
-        }
+        let messages = |end: usize| match axis + 1 == D {
+            true => self.layout.halo(axis)[end],
+            false => self.layout.halo_pieces(axis, end, true).count(),
+        };
+        // A neighbour may be one block of rows ahead, or one pass.
+        messages_per_piece(&self.interfaces) * 2 * messages(0).max(messages(1))
     }
 
     /// Applies the first x and y sweeps to a block of rows in those owned layers that the neighbours along the last
@@ -178,9 +196,49 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     ) -> Result<(), H::Error> {
         let halo = self.layout.halo(axis);
         for end in (0..2).filter(|end| halo[*end] > 0) {
-            self.pack(&self.layout.halo_box(axis, end, true), |buffer| {
-                neighbours.send(axis, end, buffer, std::iter::once(0..buffer.len()))
-            })?;
+            for piece in self.layout.halo_pieces(axis, end, true) {
+                if axis == 0 {
+                    let packed = self.pack_fields(&piece);
+                    neighbours.send(axis, end, &packed, std::iter::once(0..packed.len()))?;
+                } else {
+                    let rows = self.layout.row_ranges(&piece);
+                    neighbours.send(axis, end, &self.field_data, rows)?;
+                }
+                if self.interfaces.has_interlayers() {
+                    let history = self.interfaces.pack_history(&self.layout, &piece);
+                    neighbours.send(axis, end, &history, std::iter::once(0..history.len()))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Receives the halo at both ends of an axis other than the last one.
+    fn receive_halo<H: HaloExchange<T::Lanes>>(
+        &mut self,
+        axis: usize,
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
+        let halo = self.layout.halo(axis);
+        let mut buffer = Vec::new();
+        for end in (0..2).filter(|end| halo[*end] > 0) {
+            for piece in self.layout.halo_pieces(axis, end, false) {
+                if axis == 0 {
+                    let groups = packed_groups::<T, D>(&self.layout, &piece);
+                    buffer.resize(groups, T::Lanes::ZERO);
+                    neighbours.receive(axis, end, &mut buffer, std::iter::once(0..groups))?;
+                    self.unpack_fields(&piece, &buffer);
+                } else {
+                    let rows = self.layout.row_ranges(&piece);
+                    neighbours.receive(axis, end, &mut self.field_data, rows)?;
+                }
+                if self.interfaces.has_interlayers() {
+                    let groups = self.interfaces.packed_history_groups(&self.layout, &piece);
+                    buffer.resize(groups, T::Lanes::ZERO);
+                    neighbours.receive(axis, end, &mut buffer, std::iter::once(0..groups))?;
+                    self.interfaces.unpack_history(&self.layout, &piece, &buffer);
+                }
+            }
         }
         Ok(())
     }
@@ -194,13 +252,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             if axis > 0 {
                 self.send_halo(axis, neighbours)?;
             }
-            let halo = self.layout.halo(axis);
-            for end in (0..2).filter(|end| halo[*end] > 0) {
-                self.unpack(&self.layout.halo_box(axis, end, false), |buffer| {
-                    let whole_buffer = 0..buffer.len();
-                    neighbours.receive(axis, end, buffer, std::iter::once(whole_buffer))
-                })?;
-            }
+            self.receive_halo(axis, neighbours)?;
         }
         if self.interfaces.has_interlayers()
             && (0..D - 1).any(|axis| self.layout.halo(axis) != [0, 0])
@@ -210,59 +262,26 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Returns the number of values of the cells in a box: fields, then the history variables of the interlayers at the
-    /// lower faces of the cells.
-    fn value_count(&self, cells: &[Range<usize>; D]) -> usize {
-        let count: usize = cells.iter().map(ExactSizeIterator::len).product();
-        count * self.fields().len() + self.interfaces.variables_in_box(&self.layout, cells)
+    /// Packs the fields of the cells in a box: along the first axis the cells of a halo are in some lanes of their rows
+    /// only.
+    fn pack_fields(&self, cells: &[Range<usize>; D]) -> Vec<T::Lanes> {
+        let mut packed = vec![T::Lanes::ZERO; packed_groups::<T, D>(&self.layout, cells)];
+        let mut number = 0;
+        self.layout.visit_values(cells, |group, lane| {
+            let value = self.field_data[group].lanes()[lane];
+            packed[number / T::Lanes::COUNT].lanes_mut()[number % T::Lanes::COUNT] = value;
+            number += 1;
+        });
+        packed
     }
 
-    /// Packs the values of the cells in a box into a buffer, lane by lane, and passes it to `send_buffer`.
-    fn pack<E>(
-        &self,
-        cells: &[Range<usize>; D],
-        send_buffer: impl FnOnce(&[T::Lanes]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let groups = self.value_count(cells).div_ceil(T::Lanes::COUNT);
-        let mut buffer = vec![T::Lanes::ZERO; groups];
-        let mut to = buffer.iter_mut().flat_map(|group| group.lanes_mut());
-        let mut put = |value: T| {
-            if let Some(to) = to.next() {
-                *to = value;
-            }
-        };
-        for cell in self.layout.cells_in_box(cells) {
-            let (index, lane) = self.layout.lane_index(cell);
-            for place in 0..self.layout.field_count {
-                put(self.field_data[index.start + place * self.layout.pitch].lanes()[lane]);
-            }
-        }
-        for site in self.interfaces.sites_in_box(&self.layout, cells) {
-            self.interfaces.history(&site).for_each(&mut put);
-        }
-        send_buffer(&buffer)
-    }
-
-    /// Unpacks a buffer, filled by `fill`, into the cells in a box.
-    fn unpack<E>(
-        &mut self,
-        cells: &[Range<usize>; D],
-        fill: impl FnOnce(&mut [T::Lanes]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let groups = self.value_count(cells).div_ceil(T::Lanes::COUNT);
-        let mut buffer = vec![T::Lanes::ZERO; groups];
-        fill(&mut buffer)?;
-        let mut from = buffer.iter().flat_map(|group| group.lanes()).copied();
-        for cell in self.layout.cells_in_box(cells) {
-            let (index, lane) = self.layout.lane_index(cell);
-            let offsets = (0..self.layout.field_count).map(|field| field * self.layout.pitch);
-            for (offset, value) in offsets.zip(&mut from) {
-                self.field_data[index.start + offset].lanes_mut()[lane] = value;
-            }
-        }
-        for site in self.interfaces.sites_in_box(&self.layout, cells) {
-            self.interfaces.set_history(&site, &mut from);
-        }
-        Ok(())
+    /// Unpacks the fields of the cells in a box.
+    fn unpack_fields(&mut self, cells: &[Range<usize>; D], packed: &[T::Lanes]) {
+        let mut number = 0;
+        self.layout.visit_values(cells, |group, lane| {
+            let value = packed[number / T::Lanes::COUNT].lanes()[number % T::Lanes::COUNT];
+            self.field_data[group].lanes_mut()[lane] = value;
+            number += 1;
+        });
     }
 }

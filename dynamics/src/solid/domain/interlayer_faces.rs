@@ -431,11 +431,6 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         sites.filter(is_inside).collect()
     }
 
-    /// Returns the number of history variables at the lower faces of the cells in a box.
-    pub(super) fn variables_in_box(&self, layout: &Layout<D>, cells: &[Range<usize>; D]) -> usize {
-        self.sites_in_box(layout, cells).iter().map(|site| self.variables(site.axis)).sum()
-    }
-
     /// Returns the number of history variables of a face normal to an axis.
     pub(super) fn variables(&self, axis: usize) -> usize {
         self.across[axis].as_ref().map_or(0, |own| own.variables)

@@ -19,6 +19,10 @@ use crate::solid::reconstruction::Slopes;
 use std::cmp::Ordering;
 use std::ops::Range;
 
+/// Largest number of field values of a message with several layers of a halo: messages are short, since they are in memory
+/// besides the fields, and the neighbour unpacks one while it waits for the next.
+const MAX_MESSAGE_VALUES: usize = 1 << 16;
+
 /// Largest number of groups of a row that pass the middle of a step together, so that their layers stay in the cache.
 const MAX_SEGMENT_GROUPS: usize = 32;
 
@@ -108,16 +112,11 @@ impl<const D: usize> Layout<D> {
         [self.owned[axis].start, self.cells[axis] - self.owned[axis].end]
     }
 
-    /// Returns the indices of the cells in a box, first axis fastest.
-    pub(super) fn cells_in_box(&self, ranges: &[Range<usize>; D]) -> impl Iterator<Item = usize> {
-        let counts = ranges.each_ref().map(ExactSizeIterator::len);
-        let (first, cells) = (ranges.each_ref().map(|range| range.start), self.cells);
-        (0..counts.iter().product()).map(move |index| cell_in_box(index, &counts, &first, &cells))
-    }
-
     /// Returns the indices of the owned cells among all cells, first axis fastest.
     pub(super) fn owned_cells(&self) -> impl Iterator<Item = usize> {
-        self.cells_in_box(&self.owned)
+        let counts = self.owned.each_ref().map(ExactSizeIterator::len);
+        let (first, cells) = (self.owned.each_ref().map(|range| range.start), self.cells);
+        (0..counts.iter().product()).map(move |index| cell_in_box(index, &counts, &first, &cells))
     }
 
     /// Returns the box of cells that are sent at an end of an axis (`is_sent`), or of those that are received: all
@@ -136,6 +135,55 @@ impl<const D: usize> Layout<D> {
             Ordering::Equal => along.clone(),
             Ordering::Greater => self.owned[other].clone(),
         })
+    }
+
+    /// Returns the pieces of a halo box whose cells are sent in one message each: layers across the last axis with at most
+    /// [`MAX_MESSAGE_VALUES`] field values, or one layer. See [`halo_box`](Self::halo_box).
+    pub(super) fn halo_pieces(
+        &self,
+        axis: usize,
+        end: usize,
+        is_sent: bool,
+    ) -> impl Iterator<Item = [Range<usize>; D]> + use<D> {
+        let cells = self.halo_box(axis, end, is_sent);
+        let layers = cells[D - 1].clone();
+        let layer_cells: usize = cells[..D - 1].iter().map(ExactSizeIterator::len).product();
+        let count = (MAX_MESSAGE_VALUES / (layer_cells * self.field_count).max(1)).max(1);
+        layers.clone().step_by(count).map(move |start| {
+            let mut piece = cells.clone();
+            piece[D - 1] = start..layers.end.min(start + count);
+            piece
+        })
+    }
+
+    /// Returns the ranges of the field values of the rows of a box of whole rows.
+    pub(super) fn row_ranges(
+        &self,
+        cells: &[Range<usize>; D],
+    ) -> impl Iterator<Item = Range<usize>> {
+        let rows = cells[1].clone();
+        cells[D - 1].clone().map(move |layer| self.data_range(layer, &rows))
+    }
+
+    /// Calls `visit` with the position of each field value of the cells in a box, by row, field and cell: the index of its
+    /// group among all field values, and its lane.
+    pub(super) fn visit_values(
+        &self,
+        cells: &[Range<usize>; D],
+        mut visit: impl FnMut(usize, usize),
+    ) {
+        let lanes: Vec<_> = cells[0].clone().map(|x| (x % self.groups, x / self.groups)).collect();
+        let rows = if D == 2 { 0..1 } else { cells[1].clone() };
+        for layer in cells[D - 1].clone() {
+            for row in rows.clone() {
+                let row_start = self.data_range(layer, &(row..row + 1)).start;
+                for field in 0..self.field_count {
+                    for (group, lane) in &lanes {
+                        visit(row_start + field * self.pitch + group, *lane);
+                    }
+                }
+            }
+        }
     }
 
     /// Converts the index of an owned cell to its index among all cells.

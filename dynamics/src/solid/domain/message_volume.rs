@@ -2,6 +2,7 @@
 
 use super::SolverReal;
 use super::build::select_tile_sizes;
+use super::halo::{messages_per_piece, packed_groups};
 use super::interlayer_faces::LaneInterlayers;
 use super::layout::Layout;
 use crate::simd::LaneGroup;
@@ -26,8 +27,7 @@ pub(crate) fn message_volumes<T: SolverReal, const D: usize>(
     let block_rows = select_tile_sizes::<T, D>(problem, &layout, region).block_rows;
     let blocks = layout.rows.div_ceil(block_rows.min(layout.rows));
     let interlayers = LaneInterlayers::<T, D>::without_stencils(problem, &layout, region);
-    // Interlayers have messages of their own along the last axis.
-    let per_layer = if interlayers.has_interlayers() { 2 * blocks } else { blocks };
+    let per_layer = blocks * messages_per_piece(&interlayers);
     let group_bytes = T::Lanes::COUNT * size_of::<T>();
     let exchanged: usize = layout.exchanged_fields.iter().map(ExactSizeIterator::len).sum();
     std::array::from_fn(|axis| {
@@ -52,12 +52,18 @@ pub(crate) fn message_volumes<T: SolverReal, const D: usize>(
                 let bytes = groups * group_bytes;
                 return MessageVolume { messages: width * per_layer, bytes };
             }
-            let cells: [Range<usize>; D] = layout.halo_box(axis, end, true);
-            let values = cells.iter().map(ExactSizeIterator::len).product::<usize>()
-                * layout.field_count
-                + interlayers.variables_in_box(&layout, &cells);
-            let bytes = values.div_ceil(T::Lanes::COUNT) * group_bytes;
-            MessageVolume { messages: 1, bytes }
+            let groups = |cells: [Range<usize>; D]| {
+                let fields = match axis {
+                    0 => packed_groups::<T, D>(&layout, &cells),
+                    _ => layout.row_ranges(&cells).map(|own| own.len()).sum(),
+                };
+                fields + interlayers.packed_history_groups(&layout, &cells)
+            };
+            let pieces = || layout.halo_pieces(axis, end, true);
+            MessageVolume {
+                messages: pieces().count() * messages_per_piece(&interlayers),
+                bytes: pieces().map(groups).sum::<usize>() * group_bytes,
+            }
         })
     })
 }

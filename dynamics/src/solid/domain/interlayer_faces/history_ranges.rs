@@ -1,7 +1,7 @@
 //! Places of the history variables of interlayers in memory, by layers and rows.
 
 use super::LaneInterlayers;
-use crate::simd::Real;
+use crate::simd::{LaneGroup, Real};
 use crate::solid::domain::layout::Layout;
 use std::ops::Range;
 
@@ -64,5 +64,43 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
             _ => None,
         };
         self.last_axis_range(layout, layer, rows).into_iter().chain(in_row)
+    }
+
+    /// Returns the number of groups that the history variables at the lower faces of the cells in a box fill.
+    pub(in crate::solid::domain) fn packed_history_groups(
+        &self,
+        layout: &Layout<D>,
+        cells: &[Range<usize>; D],
+    ) -> usize {
+        let sites = self.sites_in_box(layout, cells);
+        let variables: usize = sites.iter().map(|site| self.variables(site.axis)).sum();
+        variables.div_ceil(T::Lanes::COUNT)
+    }
+
+    /// Packs the history variables at the lower faces of the cells in a box.
+    pub(in crate::solid::domain) fn pack_history(
+        &self,
+        layout: &Layout<D>,
+        cells: &[Range<usize>; D],
+    ) -> Vec<T::Lanes> {
+        let sites = self.sites_in_box(layout, cells);
+        let numbers: Vec<T> = sites.iter().flat_map(|site| self.history(site)).collect();
+        let group = |numbers: &[T]| {
+            T::Lanes::from_lanes(|lane| numbers.get(lane).copied().unwrap_or(T::ZERO))
+        };
+        numbers.chunks(T::Lanes::COUNT).map(group).collect()
+    }
+
+    /// Unpacks the history variables at the lower faces of the cells in a box.
+    pub(in crate::solid::domain) fn unpack_history(
+        &mut self,
+        layout: &Layout<D>,
+        cells: &[Range<usize>; D],
+        packed: &[T::Lanes],
+    ) {
+        let mut numbers = packed.iter().flat_map(|group| group.lanes()).copied();
+        for site in self.sites_in_box(layout, cells) {
+            self.set_history(&site, &mut numbers);
+        }
     }
 }
