@@ -7,26 +7,26 @@ use crate::case::dynamics::{
     BoundaryConditionKind, BoundaryFace, FaceCondition, FaceLoad, LoadedArea, StateComponent,
 };
 use dynamics::boundary::{Boundary, Condition, Load};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 impl GridConverter<'_> {
     /// Returns the tangential coordinates, m, of the face centres of a boundary, with the first tangential axis
     /// fastest.
-    fn face_centres(&self, boundary: BoundaryFace) -> Vec<Vec<f64>> {
+    fn face_centres(&self, boundary: BoundaryFace) -> impl Iterator<Item = Vec<f64>> {
         let grid = &self.solid_run.grid;
-        let mut faces = vec![Vec::new()];
-        for axis in boundary.tangential_axes(grid.dimensions()).into_iter().rev() {
-            faces = faces
-                .iter()
-                .flat_map(|face| (0..grid.cells[axis]).map(move |index| (face, index)))
-                .map(|(face, index)| {
-                    let mut face = face.clone();
-                    face.insert(0, grid.cell_centre(axis, index));
-                    face
+        let axes = boundary.tangential_axes(grid.dimensions());
+        let count = axes.iter().map(|axis| grid.cells[*axis]).product();
+        (0..count).map(move |face: usize| {
+            let mut rest = face;
+            axes.iter()
+                .map(|&axis| {
+                    let index = rest % grid.cells[axis];
+                    rest /= grid.cells[axis];
+                    grid.cell_centre(axis, index)
                 })
-                .collect();
-        }
-        faces
+                .collect()
+        })
     }
 
     pub(super) fn create_boundary(&self, boundary: BoundaryFace) -> Result<Boundary, Error> {
@@ -35,8 +35,14 @@ impl GridConverter<'_> {
         if last.is_some_and(|entry| entry.condition == BoundaryConditionKind::Periodic) {
             return Ok(Boundary::Periodic);
         }
-        let faces = self.face_centres(boundary);
-        let mut by_face = vec![vec![Condition::Traction(0.0); faces.len()]; pairs.len()];
+        // Lists by face, which every process has, only where conditions differ between faces.
+        let mut by_pair = vec![Condition::Traction(0.0); pairs.len()];
+        let mut by_face: Option<Vec<Vec<Condition>>> = None;
+        let face_count =
+            self.solid_run.grid.cell_count() / self.solid_run.grid.cells[boundary.axis];
+        let spread = |by_pair: &[Condition]| {
+            by_pair.iter().map(|condition| vec![*condition; face_count]).collect()
+        };
         let own = |entry: &(usize, &FaceCondition)| entry.1.face == boundary;
         for (index, entry) in self.solid_run.boundary_conditions.iter().enumerate().filter(own) {
             let of_pair: Vec<Condition> = match &entry.condition {
@@ -65,9 +71,14 @@ impl GridConverter<'_> {
                     })
                     .collect(),
             };
+            let Some(rectangle) = &entry.rectangle else {
+                (by_pair, by_face) = (of_pair, None);
+                continue;
+            };
+            let by_face = by_face.get_or_insert_with(|| spread(&by_pair));
             let mut is_empty = true;
-            for (face, middle) in faces.iter().enumerate() {
-                if entry.rectangle.as_ref().is_none_or(|part| part.contains(middle)) {
+            for (face, middle) in self.face_centres(boundary).enumerate() {
+                if rectangle.contains(&middle) {
                     is_empty = false;
                     for (own, condition) in by_face.iter_mut().zip(&of_pair) {
                         own[face] = *condition;
@@ -77,22 +88,33 @@ impl GridConverter<'_> {
             self.check_not_empty(is_empty, &format!("boundary[{index}]"))?;
         }
         // A load sets the type of condition on its faces; two loads must not set different types.
-        let mut said = vec![vec![None; faces.len()]; pairs.len()];
-        for (index, load) in self.solid_run.loads.iter().enumerate() {
-            if load.face == boundary {
-                let (pair, condition) = self.find_driven_pair(index, load)?;
-                for (face, _) in self.compute_loaded_faces(index, load)? {
-                    if said[pair][face].replace(condition).is_some_and(|own| own != condition) {
-                        let found = format!("{} on faces with another load", load.component);
-                        let allowed = "either the velocity or the stress of a wave on a face";
-                        let key = format!("load[{index}].field");
-                        return Err(self.solid_run.key_error(&key, found, allowed).into());
-                    }
-                    by_face[pair][face] = condition;
+        let mut earlier_loads = Vec::new();
+        let own = |entry: &(usize, &FaceLoad)| entry.1.face == boundary;
+        for (index, load) in self.solid_run.loads.iter().enumerate().filter(own) {
+            let (pair, condition) = self.find_driven_pair(index, load)?;
+            let faces = self.compute_loaded_faces(index, load)?;
+            for (other, other_pair, other_condition) in &earlier_loads {
+                if *other_pair != pair || *other_condition == condition {
+                    continue;
+                }
+                let others = self.compute_loaded_faces(*other, &self.solid_run.loads[*other])?;
+                let others: HashSet<usize> = others.into_iter().map(|(face, _)| face).collect();
+                if faces.iter().any(|(face, _)| others.contains(face)) {
+                    let found = format!("{} on faces with another load", load.component);
+                    let allowed = "either the velocity or the stress of a wave on a face";
+                    let key = format!("load[{index}].field");
+                    return Err(self.solid_run.key_error(&key, found, allowed).into());
                 }
             }
+            earlier_loads.push((index, pair, condition));
+            if matches!(load.loaded_area, LoadedArea::WholeFace) && by_face.is_none() {
+                by_pair[pair] = condition;
+            } else {
+                let by_face = by_face.get_or_insert_with(|| spread(&by_pair));
+                faces.iter().for_each(|(face, _)| by_face[pair][*face] = condition);
+            }
         }
-        Ok(Boundary::ByFace(by_face))
+        Ok(by_face.map_or(Boundary::ByPair(by_pair), Boundary::ByFace))
     }
 
     fn check_not_empty(&self, is_empty: bool, key: &str) -> Result<(), Error> {
@@ -129,7 +151,7 @@ impl GridConverter<'_> {
         index: usize,
         load: &FaceLoad,
     ) -> Result<Vec<(usize, f64)>, Error> {
-        let faces = self.face_centres(load.face).into_iter().enumerate();
+        let faces = self.face_centres(load.face).enumerate();
         let axes = load.face.tangential_axes(self.solid_run.grid.dimensions());
         let to = |a: &[f64], b: &[f64]| distance(self.solid_run, &axes, a, b);
         let amplitude = |middle: &[f64]| match &load.profile {
