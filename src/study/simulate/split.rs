@@ -123,7 +123,8 @@ fn plan<T: SolverReal, const D: usize>(
             cell_count,
             stored_cell_count: part.stored_cells,
             relative_work: work / mean,
-            memory_bytes: job.estimate_memory(false, shares).0,
+            // Nearly all messages of a step are in memory at the same time.
+            memory_bytes: job.estimate_memory(false, shares).0 + part.bytes_per_step,
             surface_faces: part.surface,
             neighbours: part.neighbours,
             messages_per_step: part.messages_per_step,

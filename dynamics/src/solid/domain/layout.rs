@@ -11,7 +11,8 @@
 //! as many as ghosts more along the first axis for alternating sweeps. Cell indices count all cells, halo included, except
 //! indices of owned cells, which count owned cells.
 
-use super::schedule::CHUNK_SIZE;
+use super::kernel::CarriedState;
+use super::schedule::{CHUNK_SIZE, max_pass_steps};
 use crate::simd::{LaneGroup, Real};
 use crate::solid::interlayers::Interlayers;
 use crate::solid::problem::Problem;
@@ -21,7 +22,7 @@ use std::ops::Range;
 
 /// Largest number of field values of a message with several layers of a halo: messages are short, since they are in memory
 /// besides the fields, and the neighbour unpacks one while it waits for the next.
-const MAX_MESSAGE_VALUES: usize = 1 << 16;
+const MAX_MESSAGE_VALUES: usize = 1 << 17;
 
 /// Largest number of groups of a row that pass the middle of a step together, so that their layers stay in the cache.
 const MAX_SEGMENT_GROUPS: usize = 32;
@@ -333,14 +334,28 @@ pub(super) fn pitch(groups: usize) -> usize {
     if groups.is_multiple_of(4) { groups + 1 } else { groups }
 }
 
-/// Returns the memory of the fields and the material indices of a domain of `cells` cells along each axis and `fields`
-/// fields with the ghosts of the reconstruction `slopes`, in bytes, without padding of rows for interlayers.
-pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize, slopes: Slopes) -> f64 {
+/// Returns the memory of a domain of `cells` cells along each axis, bytes: of the `fields` fields, with the ghosts of the
+/// reconstruction `slopes`, and the material indices; and of the states that sweeps across rows carry from tile to tile for
+/// `pairs` pairs of waves. Padding of rows for interlayers is left out.
+pub fn memory_bytes<T: Real>(
+    cells: &[usize],
+    fields: usize,
+    pairs: usize,
+    slopes: Slopes,
+) -> [f64; 2] {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();
     let ghosts = slopes.ghosts();
     let groups = min_groups::<T>(length, ghosts);
     let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
     let rows = count / length as f64 + (2 * ghosts * CHUNK_SIZE) as f64;
-    rows * per_row as f64 + count * size_of::<u16>() as f64
+    // Lines of groups across rows, and half steps of a pass.
+    let (lines, halves) = match cells {
+        [_, layers] => (groups, 2 * max_pass_steps::<2>(*layers, slopes.halo())),
+        [_, rows, layers] => (groups * (rows + layers), 2),
+        _ => (0, 0),
+    };
+    let slots = CarriedState::<T::Lanes>::slots(ghosts);
+    let carried = lines * halves * pairs * slots * size_of::<CarriedState<T::Lanes>>();
+    [rows * per_row as f64 + count * size_of::<u16>() as f64, carried as f64]
 }

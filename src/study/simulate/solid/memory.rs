@@ -14,6 +14,9 @@ use dynamics::medium::Medium;
 /// Memory of the program during a simulation, bytes, by measurement.
 const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
 
+/// Memory of an MPI library in each rank, bytes, by measurement.
+const MPI_MEMORY_BYTES: f64 = 12.0 * 1048576.0;
+
 /// Memory for drawing one picture, bytes, and bytes per cell, by measurement; the pictures are drawn one after the other,
 /// when the solver has been dropped.
 const PICTURE_MEMORY_BYTES: f64 = 55.0 * 1048576.0;
@@ -25,19 +28,9 @@ const ANIMATION_BYTES_PER_CELL: f64 = 24.0;
 /// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
 const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
 
-/// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
-/// or along the last two axes in three, by measurement: interface states, in three dimensions with boundary values.
-const NUMBERS_PER_LINE: [f64; 2] = [5.7, 16.5];
-
-/// Memory per pair of waves for both faces at the ends of a line of cells, bytes, by measurement: the condition of the
-/// case, its position and that of the solver; by number of dimensions.
-const BYTES_PER_BOUNDARY_LINE: [f64; 2] = [67.0, 5.0];
-
-/// The same with the solver of ledgers with numerical dissipation, in any number of dimensions.
+/// Memory per pair of waves for both faces at the ends of a line of cells in the solver of ledgers with numerical
+/// dissipation, bytes, by measurement.
 const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
-
-/// Number of SIMD lanes that pad a row of lines, by measurement.
-const PADDING_LANES: usize = 10;
 
 /// Memory while snapshots are written, bytes, by measurement: some layers of cells with all arrays, their encoded values,
 /// and compressed values.
@@ -57,11 +50,11 @@ const DISSIPATION_LISTS: f64 = 1.17;
 const JOINT_COPIES: f64 = 5.4;
 
 impl SolidJob<'_> {
-    /// Estimates the peak memory of a run, bytes: that of the program, of the values at boundaries, of the initial values,
-    /// and of joints; plus all snapshots if `keeps_snapshots` is set; plus the solver with one list of values by cell for a
-    /// checkpoint and some layers of cells of a snapshot, or a picture, whichever is larger, since pictures are drawn when
-    /// the solver has been dropped. Of several ranks each has a share of all but the program and the boundaries: `own_share`
-    /// of the cells, and `stored_share` of those in the solver, where copies of neighbouring cells count.
+    /// Estimates the peak memory of a run, bytes: that of the program, of the initial values, and of joints; plus all
+    /// snapshots if `keeps_snapshots` is set; plus the solver with one list of values by cell for a checkpoint and some
+    /// layers of cells of a snapshot, or a picture, whichever is larger, since pictures are drawn when the solver has been
+    /// dropped. Of several ranks each has a share of all but the program: `own_share` of the cells, and `stored_share` of
+    /// those in the solver, where copies of neighbouring cells count.
     pub(in crate::study::simulate) fn estimate_memory(
         &self,
         keeps_snapshots: bool,
@@ -91,50 +84,61 @@ impl SolidJob<'_> {
         let joint_copies = JOINT_COPIES + kept;
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
         let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
-        let [solver, boundaries] = self.estimate_solver_memory(own_share < 1.0);
-        // All ranks have the values at boundaries.
+        let [solver, lines] = self.estimate_solver_memory(own_share < 1.0);
         let cells = own_share * grid.cell_count() as f64;
-        let (solver, joints) = (stored_share * solver, own_share * joints);
+        // Of the lines across one or two axes a part has more than its share of the cells.
+        let solver = stored_share * solver + own_share.sqrt() * lines;
+        let joints = own_share * joints;
         let output = slab.max(slab_copies * layer * cells);
         let lists = cells * wide * (LIST_COPIES + dissipation + integrals);
         let animation = if has_snapshots { ANIMATION_BYTES_PER_CELL } else { 0.0 };
         let pictures =
             PICTURE_MEMORY_BYTES + joint_pictures + cells * (PICTURE_BYTES_PER_CELL + animation);
+        let ranks = if own_share < 1.0 { MPI_MEMORY_BYTES } else { 0.0 };
         Bytes(
             PROGRAM_MEMORY_BYTES
-                + boundaries
+                + ranks
+                + self.estimate_boundary_memory()
                 + cells * per_cell
                 + joints
                 + (solver + lists + output).max(pictures),
         )
     }
 
-    /// Estimates the memory of the solver, bytes: of the fields, and of values by line and at boundaries.
+    /// Estimates the memory of the solver, bytes: of values by cell, and of values by line across one or two axes.
     fn estimate_solver_memory(&self, is_distributed: bool) -> [f64; 2] {
         let SolidRun { grid, scheme, .. } = self.solid_run;
         let fields = Medium::state_fields(&self.media).len();
-        let number = self.number_size() as f64;
-        let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
-        let boundary_lines = lines as f64 * pairs;
-        if scheme.ledger_detail == LedgerDetail::TotalsAndDissipation {
-            let solver = grid.cell_count() as f64 * fields as f64 * number;
-            return [solver, BYTES_PER_REFERENCE_BOUNDARY_LINE * boundary_lines];
+        if self.has_reference_solver() {
+            return [grid.cell_count() as f64 * fields as f64 * self.number_size() as f64, 0.0];
         }
-        let cells = self.solver_cells(is_distributed);
-        let (line_count, dimensions) = match cells[..] {
-            [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3), 1),
-            [n1, _] => (n1, 0),
-            _ => (0, 0),
-        };
+        let (cells, pairs) = (self.solver_cells(is_distributed), self.pair_count());
         let slopes = convert_scheme(*scheme).slopes;
-        let solver = match scheme.precision {
-            Precision::F64 => memory_bytes::<f64>(&cells, fields, slopes),
-            Precision::F32 => memory_bytes::<f32>(&cells, fields, slopes),
-        };
-        let line_values = NUMBERS_PER_LINE[dimensions] * line_count as f64 * pairs * number;
-        let boundary_values = BYTES_PER_BOUNDARY_LINE[dimensions] * boundary_lines;
-        [solver, line_values + boundary_values]
+        match scheme.precision {
+            Precision::F64 => memory_bytes::<f64>(&cells, fields, pairs, slopes),
+            Precision::F32 => memory_bytes::<f32>(&cells, fields, pairs, slopes),
+        }
+    }
+
+    /// Estimates the memory of the boundary conditions of a ledger with numerical dissipation, which are stored by face,
+    /// bytes.
+    fn estimate_boundary_memory(&self) -> f64 {
+        let SolidRun { grid, .. } = self.solid_run;
+        let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
+        match self.has_reference_solver() {
+            true => BYTES_PER_REFERENCE_BOUNDARY_LINE * (lines * self.pair_count()) as f64,
+            false => 0.0,
+        }
+    }
+
+    /// Returns whether the ledger has the numerical dissipation, which needs the solver of one sweep at a time.
+    fn has_reference_solver(&self) -> bool {
+        self.solid_run.scheme.ledger_detail == LedgerDetail::TotalsAndDissipation
+    }
+
+    /// Returns the greatest number of pairs of waves along an axis.
+    fn pair_count(&self) -> usize {
+        self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0)
     }
 
     /// Returns the size of a number of the solver, bytes.
