@@ -157,7 +157,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// last axis, unless it is too short for so many, and another one has room for more; the first axis if there are so
     /// few rows that they are not tiled.
     fn choose_cut_axis(first_axis: usize, problem: &Problem<D>, count: usize) -> (usize, usize) {
-        let permutation = AxisPermutation::with_rows(first_axis, problem);
+        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
         let cells = permutation.permute_grid(&problem.grid).cells;
         let room = |axis: usize| cells[axis] / min_part_cells(axis, problem.pass_limits());
         let has_few_rows = cells[1..].iter().product::<usize>() < MIN_TILED_ROWS;
@@ -177,7 +177,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         problem: &Problem<D>,
         count: usize,
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_rows(axis, problem);
+        let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
         let grid = permutation.permute_grid(&problem.grid);
         let mut counts = [1; D];
         let (cut_axis, _) = Self::choose_cut_axis(axis, problem, count);
@@ -203,7 +203,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         problem: &Problem<D>,
         subdomain_counts: [usize; D],
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_rows(first_axis, problem);
+        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
         let counts = permutation.permute_axis_values(subdomain_counts);
         let cuts = uniform_cuts(&permutation.permute_grid(&problem.grid), counts);
         Self::with_permuted_cuts(problem, permutation, &cuts, None)
@@ -247,7 +247,6 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         cuts: &[Vec<usize>; D],
         ranks: Option<(Arc<dyn Communicator>, usize)>,
     ) -> Result<Self, DomainError> {
-        let is_alternating = problem.scheme.is_alternating();
         let problem = &permutation.check_and_permute(problem)?;
         let wraps_around = std::array::from_fn(|axis| problem.wraps_around(axis));
         let plan =
@@ -265,11 +264,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let create_subdomain = |index: &usize| {
             let region = &plan.regions()[*index];
             let restricted = problem.restrict_to(region);
-            let mut domain = Domain::new_unchecked(&restricted, region, plan.max_pass_steps())?;
-            let before_first = permutation.idle_axes_before_first();
-            domain.set_idle_axes_before_first(before_first, is_alternating);
             Ok(Subdomain {
-                domain,
+                domain: Domain::new_unchecked(&restricted, region, plan.max_pass_steps())?,
                 region: region.clone(),
                 channels: Channels::default(),
                 watched_cells: Vec::new(),
@@ -376,11 +372,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the part of the state that this process holds.
     pub fn state_part(&self) -> StatePart {
-        let lists = self.permutation.of_lists();
-        let cells = self.permutation.unpermute_axis_values(self.cells);
         StatePart {
-            grid_cells: lists.permute_axis_values(cells).to_vec(),
-            cells: lists.permute_axis_ranges(&self.own_cells()).to_vec(),
+            grid_cells: self.cells.to_vec(),
+            cells: self.own_cells.to_vec(),
             interlayers: self.own_interlayers(),
         }
     }

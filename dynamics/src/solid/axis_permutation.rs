@@ -1,7 +1,5 @@
 //! Permutation of the axes: with alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the
-//! first axis of a domain is swept differently from the others, and may be any axis of the problem. Rows along an idle
-//! axis ([`Problem::is_idle`]) would have a single cell and leave most SIMD lanes empty: the first axis that is not idle
-//! takes its place. This leaves the order of the other sweeps and of the cells unchanged.
+//! first axis of a domain is swept differently from the others, and may be any axis of the problem.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -9,7 +7,7 @@ use std::sync::Arc;
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::interlayers::Interlayers;
-use crate::solid::problem::{DomainError, Grid, MediumFunction, Problem, Splitting};
+use crate::solid::problem::{DomainError, Grid, MediumFunction, Problem};
 
 /// Permutation of the axes of a problem to those of a domain, with conversion of cell indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +16,6 @@ pub(crate) struct AxisPermutation<const D: usize> {
     axes: [usize; D],
     /// Number of cells along each axis of the problem.
     cells: [usize; D],
-    /// Axis of the problem that the scheme sweeps first: that of the rows, unless it is idle.
-    leading_axis: usize,
 }
 
 impl<const D: usize> AxisPermutation<D> {
@@ -30,22 +26,7 @@ impl<const D: usize> AxisPermutation<D> {
             _ if place <= axis => place - 1,
             _ => place,
         });
-        Self { axes, cells: grid.cells, leading_axis: axis }
-    }
-
-    /// Moves the axis that is swept first to the front, or, if it is idle, the first one of the others that is not.
-    pub(crate) fn with_rows(first_axis: usize, problem: &Problem<D>) -> Self {
-        let in_order = Self::with_first_axis(first_axis, &problem.grid);
-        let mut axes = in_order.axes.into_iter();
-        let row_axis = axes.find(|axis| !problem.is_idle(*axis)).unwrap_or(first_axis);
-        Self { leading_axis: first_axis, ..Self::with_first_axis(row_axis, &problem.grid) }
-    }
-
-    /// Returns the permutation in which the lists of a state are described: without exchange of idle axes, on which the
-    /// order of the cells does not depend.
-    pub(crate) fn of_lists(&self) -> Self {
-        let grid = Grid { cells: self.cells, spacing: [0.0; D] };
-        Self::with_first_axis(self.leading_axis, &grid)
+        Self { axes, cells: grid.cells }
     }
 
     /// Whether the permutation is the identity.
@@ -150,21 +131,13 @@ impl<const D: usize> AxisPermutation<D> {
         Ok(self.permute_problem(own))
     }
 
-    /// Returns the idle axes of the domain that the scheme sweeps before its first axis, in this order.
-    pub(crate) fn idle_axes_before_first(&self) -> Vec<usize> {
-        let in_order = self.of_lists().axes;
-        let before_first = in_order.iter().take_while(|axis| **axis != self.axes[0]);
-        before_first.map(|axis| self.permuted_axis(*axis)).collect()
-    }
-
     /// Returns the axis of the domain that is an axis of the problem.
     fn permuted_axis(&self, axis: usize) -> usize {
         self.axes.iter().position(|own| *own == axis).unwrap_or(axis)
     }
 
     /// Permutes the axes of a checked problem. The indices of velocities and stress components, and of the components
-    /// of the acceleration, still refer to the axes of the given problem. Sweeps do not alternate if the axis that would
-    /// alternate with the others is idle and does not come first.
+    /// of the acceleration, still refer to the axes of the given problem.
     fn permute_problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
         if self.is_identity() {
             return Cow::Borrowed(own);
@@ -198,10 +171,6 @@ impl<const D: usize> AxisPermutation<D> {
         let interlayers =
             interlayers.map(|own| Interlayers { axis: permuted_axis(own.axis), ..own.clone() });
         let initial_stress = own.initial_stress.clone();
-        let mut scheme = own.scheme;
-        if self.axes[0] != self.leading_axis {
-            scheme.splitting = Splitting::TwoCyclic;
-        }
         Cow::Owned(Problem {
             grid: self.permute_grid(&own.grid),
             media,
@@ -217,7 +186,6 @@ impl<const D: usize> AxisPermutation<D> {
             sources: own.sources.iter().map(source).collect(),
             interlayers: interlayers.collect(),
             initial_stress: initial_stress.map(|(axis, stress)| (permuted_axis(axis), stress)),
-            scheme,
             ..own.clone()
         })
     }

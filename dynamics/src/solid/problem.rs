@@ -155,6 +155,29 @@ pub struct Problem<const D: usize> {
     pub shear_interval: usize,
 }
 
+/// Number of cells from which on rows along an axis fill most SIMD lanes.
+const MIN_ROW_CELLS: usize = 8;
+
+/// Returns the axis of a grid of `cells` cells that should be swept first, along which rows lie in memory: in three
+/// dimensions with alternating sweeps (`is_alternating`) the last one with reflecting boundaries (`has_reflecting_end`), if
+/// any, else the first one. Axes with fewer than eight cells are left out if there are longer ones.
+///
+/// Sweeps along the first axis alternate with those along both others, which do not alternate with each other. Waves along a
+/// free boundary have four times the splitting error unless sweeps normal to the boundary alternate with tangential ones.
+pub fn choose_first_axis(
+    cells: &[usize],
+    has_reflecting_end: impl Fn(usize) -> bool,
+    is_alternating: bool,
+) -> usize {
+    let has_long_axis = cells.iter().any(|count| *count >= MIN_ROW_CELLS);
+    let mut axes = (0..cells.len()).filter(|&axis| !has_long_axis || cells[axis] >= MIN_ROW_CELLS);
+    let reflecting = match cells.len() == 3 && is_alternating {
+        true => axes.clone().rev().find(|axis| has_reflecting_end(*axis)),
+        false => None,
+    };
+    reflecting.or_else(|| axes.next()).unwrap_or(0)
+}
+
 impl<const D: usize> Problem<D> {
     /// Creates a problem without loads, sources, acceleration, initial stress, time integrals, interlayers and metric,
     /// with the same step for all waves.
@@ -185,10 +208,7 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// Returns the axis that should be swept first: in three dimensions with alternating sweeps, the last axis with
-    /// reflecting boundaries, if any, else axis 0. Sweeps along the first axis alternate with those along both others,
-    /// which do not alternate with each other. Waves along a free boundary have four times the splitting error unless
-    /// sweeps normal to the boundary alternate with tangential ones.
+    /// Returns the axis that should be swept first, see [`choose_first_axis`].
     pub fn first_axis(&self) -> usize {
         let reflects = |condition: &Boundary| match condition {
             Boundary::Fixed | Boundary::Free => true,
@@ -196,8 +216,12 @@ impl<const D: usize> Problem<D> {
             Boundary::ByFace(pairs) => pairs.iter().flatten().any(Condition::is_reflecting),
             Boundary::Periodic | Boundary::NonReflecting => false,
         };
-        let axes = 0..if D == 3 && self.scheme.is_alternating() { D } else { 0 };
-        axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
+        // The layers of a metric are normal to the second axis.
+        if self.metric.is_some() {
+            return 0;
+        }
+        let has_reflecting_end = |axis: usize| self.boundaries[axis].iter().any(reflects);
+        choose_first_axis(&self.grid.cells, has_reflecting_end, self.scheme.is_alternating())
     }
 
     /// Whether sweeps along an axis change nothing: on a periodic axis of one cell all faces have the same state. Laws of

@@ -6,7 +6,6 @@ use super::contacts::LaneContacts;
 use super::curvilinear::{CurvatureRotations, RowConstants};
 use super::diagnostics::Diagnostics;
 use super::fluid::FluidStage;
-use super::idle_axes::IdleAxes;
 use super::interlayer_faces::LaneInterlayers;
 use super::lane_laws::{LaneLaws, has_coupled_fields, rotated_field_offsets};
 use super::layout::{Layout, groups_per_row, pitch};
@@ -181,8 +180,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             grid: Grid { cells: region.owned_counts(), spacing: problem.grid.spacing },
             step: problem.step,
             scheme: Scheme { slopes: problem.scheme.sweep_slopes(), ..problem.scheme },
-            halves_cell_laws: problem.scheme.is_alternating(),
-            idle_axes: IdleAxes::new(problem),
+            is_idle: std::array::from_fn(|axis| problem.is_idle(axis)),
             shear_steps: ShearSteps::new(problem),
             instructions: InstructionSet::widest(),
             boundaries: Boundaries::new(problem, region, &layout, max_pass_steps),

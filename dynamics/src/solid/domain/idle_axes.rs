@@ -6,59 +6,22 @@ use super::layout::RowSegment;
 use super::material_table::{MaterialTable, WavePair};
 use super::{Domain, SolverReal};
 use crate::simd::{Real, SimdKernel, Vector};
-use crate::solid::problem::Problem;
 use std::ops::Range;
 
-/// Axes along which sweeps change nothing.
-#[derive(Clone, Debug)]
-pub(super) struct IdleAxes<const D: usize> {
-    pub(super) is_idle: [bool; D],
-    /// Idle axes that the scheme sweeps before the first one, in this order.
-    pub(super) before_first: Vec<usize>,
-    /// Whether sweeps along the first of these alternate with the others: the last one is in the middle of the step.
-    pub(super) is_first_alternating: bool,
-}
-
-impl<const D: usize> IdleAxes<D> {
-    pub(super) fn new(problem: &Problem<D>) -> Self {
-        Self {
-            is_idle: std::array::from_fn(|axis| problem.is_idle(axis)),
-            before_first: Vec::new(),
-            is_first_alternating: false,
-        }
-    }
-}
-
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Sets the idle axes that the scheme sweeps before the first one, in this order, and whether sweeps along the first of
-    /// them alternate with the others.
-    pub(crate) fn set_idle_axes_before_first(&mut self, axes: Vec<usize>, is_alternating: bool) {
-        let is_first_alternating = is_alternating && !axes.is_empty();
-        self.halves_cell_laws |= is_first_alternating;
-        self.idle_axes.is_first_alternating = is_first_alternating;
-        self.idle_axes.before_first = axes;
-    }
-
-    /// Sweeps rows, numbered over all layers, along the idle axes that come before the first one.
-    pub(super) fn sweep_idle_axes_before_first(&mut self, rows: Range<usize>, half_step: usize) {
-        let skipped = self.idle_axes.is_first_alternating && half_step % 2 == 1;
-        for index in usize::from(skipped)..self.idle_axes.before_first.len() {
-            self.sweep_idle_rows(self.idle_axes.before_first[index], rows.clone(), half_step);
-        }
-    }
-
-    /// Sweeps rows, numbered over all layers, along an axis if it is idle, unless it comes before the first one. Returns
-    /// whether it is idle.
+    /// Sweeps rows, numbered over all layers, along an axis if it is idle. Returns whether it is.
     pub(super) fn sweep_if_idle(
         &mut self,
         axis: usize,
         rows: Range<usize>,
         half_step: usize,
     ) -> bool {
-        if self.is_idle_after_first(axis) {
-            self.sweep_idle_rows(axis, rows, half_step);
+        if self.is_idle[axis] {
+            for row in rows {
+                self.sweep_idle_segment(axis, 0, &self.layout.row_segment(row), half_step);
+            }
         }
-        self.idle_axes.is_idle[axis]
+        self.is_idle[axis]
     }
 
     /// Sweeps a segment of a row of some layers along the last axis, as [`Self::sweep_if_idle`] does.
@@ -68,25 +31,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         tile: &RowSegment,
         half_step: usize,
     ) -> bool {
-        if self.is_idle_after_first(D - 1) {
+        if self.is_idle[D - 1] {
             for layer in layers.clone() {
                 self.sweep_idle_segment(D - 1, layer, tile, half_step);
             }
         }
-        self.idle_axes.is_idle[D - 1]
-    }
-
-    /// Whether an axis is idle and does not come before the first one.
-    fn is_idle_after_first(&self, axis: usize) -> bool {
-        self.idle_axes.is_idle[axis] && !self.idle_axes.before_first.contains(&axis)
-    }
-
-    /// Sweeps rows, numbered over all layers, along an idle axis.
-    pub(super) fn sweep_idle_rows(&mut self, axis: usize, rows: Range<usize>, half_step: usize) {
-        for row in rows {
-            let tile = self.layout.row_segment(row);
-            self.sweep_idle_segment(axis, 0, &tile, half_step);
-        }
+        self.is_idle[D - 1]
     }
 
     /// Sweeps a segment of a row of a layer along an idle axis.

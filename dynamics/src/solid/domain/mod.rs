@@ -98,7 +98,6 @@ use boundaries::Boundaries;
 use buffers::Buffers;
 use diagnostics::Diagnostics;
 use fluid::FluidStage;
-use idle_axes::IdleAxes;
 use interlayer_faces::LaneInterlayers;
 use lane_laws::LaneLaws;
 use layout::Layout;
@@ -114,9 +113,8 @@ pub struct Domain<T: SolverReal, const D: usize> {
     /// Time step Δt, s.
     step: f64,
     scheme: Scheme,
-    /// Whether the cell laws act by half a step before and after the middle of the step.
-    halves_cell_laws: bool,
-    idle_axes: IdleAxes<D>,
+    /// Whether sweeps along each axis change nothing, see [`Problem::is_idle`].
+    is_idle: [bool; D],
     shear_steps: ShearSteps,
     instructions: InstructionSet,
     layout: Layout<D>,

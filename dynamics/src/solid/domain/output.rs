@@ -12,7 +12,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(crate) fn time_integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
         // Trapezoidal rule: subtracts half of the last value times Δt; the midpoint rule is used if the cell laws act on
         // both sides of the middle.
-        let last = if self.halves_cell_laws { 0.0 } else { 0.5 * self.step };
+        let last = if self.scheme.is_alternating() { 0.0 } else { 0.5 * self.step };
         let has_steps = self.schedule.steps > 0;
         let cell = self.layout.local_cell(cell);
         self.diagnostics.time_integrals.iter().map(move |(place, sums)| match has_steps {

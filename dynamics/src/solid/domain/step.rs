@@ -33,8 +33,7 @@
 //! copy of each cell. Near reflecting boundaries output is the mean of the states before and after x instead. Each
 //! factor conserves or lowers the energy.
 //!
-//! Sweeps along idle axes, of one cell and periodic, change nothing ([`super::idle_axes`]). Rows lie along the first axis
-//! that is not idle: if this is y, with alternating sweeps, the step is y z K √Q √Q K z y.
+//! Sweeps along idle axes, of one cell and periodic, change nothing ([`super::idle_axes`]).
 //!
 //! [`Domain::advance_pass`] advances memory by one or two such steps, a block of rows and a few layers at a time, as
 //! [`super::schedule`] states; [`Domain::advance_layers`] is the step above on those layers.
@@ -91,7 +90,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     ) -> Result<(), H::Error> {
         let steps = steps.clamp(1, self.schedule.max_pass_steps);
         self.exchange_halo(neighbours)?;
-        if self.schedule.steps == 0 && !self.halves_cell_laws {
+        if self.schedule.steps == 0 && !self.scheme.is_alternating() {
             let all_cells = 0..self.layout.layers() * self.layout.layer_cells();
             self.accumulate_integrals(all_cells, 0.5);
         }
@@ -172,7 +171,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Accumulates time integrals and records watched cells, in layers that have completed a step.
     pub(super) fn record_completed_layers(&mut self, layers: &Range<usize>, step: usize) {
-        if !self.halves_cell_laws {
+        if !self.scheme.is_alternating() {
             let layer = self.layout.layer_cells();
             self.accumulate_integrals(layers.start * layer..layers.end * layer, 1.0);
         }
@@ -198,7 +197,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 }
             }
             // Sweeps z, then K Q K, then z.
-            match self.halves_cell_laws {
+            match self.scheme.is_alternating() {
                 true => self.apply_alternating_operators(layers, ends, &rows[1], first),
                 false => {
                     let groups = self.layout.groups;
@@ -292,13 +291,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.relax(layers, &tile, LawInterval::HalfStep);
             self.accumulate_row_integrals(layers, row);
         }
-        if !self.scheme.is_alternating() {
-            let axis = self.idle_axes.before_first[0];
-            for layer in layers.clone() {
-                let start = layer * self.layout.rows;
-                self.sweep_idle_rows(axis, start + rows.start..start + rows.end, first + 1);
-            }
-        } else if D == 2 {
+        if D == 2 {
             // Layers are rows here.
             self.sweep_rows(layers.clone(), first + 1);
         } else {

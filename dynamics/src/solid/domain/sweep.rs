@@ -82,7 +82,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
         match is_second {
             false => {
-                self.sweep_idle_axes_before_first(of_layer(entered), half_step);
                 self.sweep_rows(of_layer(entered), half_step);
                 self.apply_contact_laws(layer, entered);
             }
@@ -106,7 +105,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         if is_second && !self.scheme.is_alternating() {
             self.sweep_rows(of_layer(last), half_step);
-            self.sweep_idle_axes_before_first(of_layer(last), half_step);
             self.apply_contact_laws(layer, last);
         }
     }

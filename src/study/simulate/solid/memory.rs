@@ -10,6 +10,7 @@ use crate::study::simulate::Bytes;
 use crate::study::simulate::plan::snapshot_count;
 use dynamics::domain::memory_bytes;
 use dynamics::medium::Medium;
+use dynamics::problem::choose_first_axis;
 
 /// Memory of the program during a simulation, bytes, by measurement.
 const PROGRAM_MEMORY_BYTES: f64 = 17.0 * 1048576.0;
@@ -84,7 +85,7 @@ impl SolidJob<'_> {
         let joint_copies = JOINT_COPIES + kept;
         let joints = wide * NUMBERS_PER_JOINT_FACE * joint_copies * joint_faces;
         let joint_pictures = if joint_faces > 0.0 { JOINT_PICTURE_MEMORY_BYTES } else { 0.0 };
-        let [solver, lines] = self.estimate_solver_memory(own_share < 1.0);
+        let [solver, lines] = self.estimate_solver_memory();
         let cells = own_share * grid.cell_count() as f64;
         // Of the lines across one or two axes a part has more than its share of the cells.
         let solver = stored_share * solver + own_share.sqrt() * lines;
@@ -106,13 +107,13 @@ impl SolidJob<'_> {
     }
 
     /// Estimates the memory of the solver, bytes: of values by cell, and of values by line across one or two axes.
-    fn estimate_solver_memory(&self, is_distributed: bool) -> [f64; 2] {
+    fn estimate_solver_memory(&self) -> [f64; 2] {
         let SolidRun { grid, scheme, .. } = self.solid_run;
         let fields = Medium::state_fields(&self.media).len();
         if self.has_reference_solver() {
             return [grid.cell_count() as f64 * fields as f64 * self.number_size() as f64, 0.0];
         }
-        let (cells, pairs) = (self.solver_cells(is_distributed), self.pair_count());
+        let (cells, pairs) = (self.solver_cells(), self.pair_count());
         let slopes = convert_scheme(*scheme).slopes;
         match scheme.precision {
             Precision::F64 => memory_bytes::<f64>(&cells, fields, pairs, slopes),
@@ -149,54 +150,35 @@ impl SolidJob<'_> {
         }
     }
 
-    /// Returns the numbers of cells in the axis order of the solver, as
-    /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
-    /// splitting the last axis with a reflecting boundary is moved to the front. If this axis is idle (one cell,
-    /// periodic, without contacts), the first one that is not is moved before it, unless the cells are distributed over
-    /// ranks.
-    fn solver_cells(&self, is_distributed: bool) -> Vec<usize> {
+    /// Returns the numbers of cells in the axis order of the solver, see [`choose_first_axis`].
+    fn solver_cells(&self) -> Vec<usize> {
         let SolidRun { grid, scheme, .. } = self.solid_run;
-        let mut axes: Vec<usize> = (0..grid.cells.len()).collect();
-        if axes.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
-            let is_reflecting = |own: &FaceCondition| match own.condition {
-                BoundaryConditionKind::Free
-                | BoundaryConditionKind::Fixed
-                | BoundaryConditionKind::Mixed { .. } => true,
-                BoundaryConditionKind::Symmetry
-                | BoundaryConditionKind::Antisymmetry
-                | BoundaryConditionKind::Periodic
-                | BoundaryConditionKind::NonReflecting => false,
-            };
-            let has_reflecting_face = |axis: &usize| {
-                [false, true].into_iter().any(|is_upper| {
-                    let face = BoundaryFace { axis: *axis, is_upper };
-                    // Only conditions from the last one of the whole face on apply; a face without condition is free.
-                    let conditions = &self.solid_run.boundary_conditions;
-                    let of_face: Vec<_> =
-                        conditions.iter().filter(|own| own.face == face).collect();
-                    let whole = of_face.iter().rposition(|own| own.rectangle.is_none());
-                    whole.is_none_or(|whole| of_face[whole..].iter().any(|own| is_reflecting(own)))
-                })
-            };
-            let first = (0..3).rev().find(has_reflecting_face).unwrap_or(0);
-            axes[..=first].rotate_right(1);
-        }
-        let has_contacts = self.media.iter().any(|medium| medium.contact.is_some());
-        let is_periodic = |axis: usize| {
-            self.solid_run.boundary_conditions.iter().any(|own| {
-                own.face.axis == axis && matches!(own.condition, BoundaryConditionKind::Periodic)
+        let is_reflecting = |own: &FaceCondition| match own.condition {
+            BoundaryConditionKind::Free
+            | BoundaryConditionKind::Fixed
+            | BoundaryConditionKind::Mixed { .. } => true,
+            BoundaryConditionKind::Symmetry
+            | BoundaryConditionKind::Antisymmetry
+            | BoundaryConditionKind::Periodic
+            | BoundaryConditionKind::NonReflecting => false,
+        };
+        let has_reflecting_end = |axis: usize| {
+            [false, true].into_iter().any(|is_upper| {
+                let face = BoundaryFace { axis, is_upper };
+                // Only conditions from the last one of the whole face on apply; a face without condition is free.
+                let conditions = &self.solid_run.boundary_conditions;
+                let of_face: Vec<_> = conditions.iter().filter(|own| own.face == face).collect();
+                let whole = of_face.iter().rposition(|own| own.rectangle.is_none());
+                whole.is_none_or(|whole| of_face[whole..].iter().any(|own| is_reflecting(own)))
             })
         };
-        let is_idle = |axis: &usize| {
-            !is_distributed
-                && grid.cells[*axis] == 1
-                && is_periodic(*axis)
-                && !grid.is_polar()
-                && !has_contacts
-                && self.joint_face_count() == 0
+        let is_alternating = scheme.splitting == DimensionalSplitting::Alternating;
+        let first = match grid.is_polar() {
+            true => 0,
+            false => choose_first_axis(&grid.cells, has_reflecting_end, is_alternating),
         };
-        let row = axes.iter().position(|axis| !is_idle(axis)).unwrap_or(0);
-        axes[..=row].rotate_right(1);
-        axes.into_iter().map(|axis| grid.cells[axis]).collect()
+        let mut cells = grid.cells.clone();
+        cells[..=first].rotate_right(1);
+        cells
     }
 }
