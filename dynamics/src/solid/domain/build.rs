@@ -10,7 +10,7 @@ use super::interlayer_faces::LaneInterlayers;
 use super::lane_laws::{LaneLaws, has_coupled_fields, rotated_field_offsets};
 use super::layout::{Layout, groups_per_row, pitch};
 use super::materials::Materials;
-use super::schedule::{CHUNK_SIZE, Schedule, TileSizes};
+use super::schedule::{Schedule, TileSizes};
 use super::sources::{CellSource, Sources};
 use super::{Domain, SolverReal};
 use crate::simd::{InstructionSet, LaneGroup, Real};
@@ -136,7 +136,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let layout = Layout::new::<T>(problem, region);
         // Allocated first, since the fields take most of the memory.
         let field_data = allocate_zeros(
-            (layout.layers() * layout.rows + 2 * layout.ghosts * CHUNK_SIZE) * layout.row_size(),
+            (layout.layers() * layout.rows + 2 * layout.ghosts * layout.ghost_rows())
+                * layout.row_size(),
         )?;
         let is_periodic = is_periodic_in_place(problem, region, 0);
         let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic);

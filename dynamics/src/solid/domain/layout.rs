@@ -103,6 +103,12 @@ impl<const D: usize> Layout<D> {
         self.cells[D - 1]
     }
 
+    /// Returns the number of rows that are swept together along the first axis, each with a row of its own for the ghosts
+    /// at each end and depth, which follow the cells.
+    pub(super) fn ghost_rows(&self) -> usize {
+        CHUNK_SIZE.min(self.layers() * self.rows)
+    }
+
     /// Returns the owned layers as a range of all layers.
     pub(super) fn owned_layers(&self) -> Range<usize> {
         self.owned[D - 1].clone()
@@ -348,7 +354,8 @@ pub fn memory_bytes<T: Real>(
     let ghosts = slopes.ghosts();
     let groups = min_groups::<T>(length, ghosts);
     let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
-    let rows = count / length as f64 + (2 * ghosts * CHUNK_SIZE) as f64;
+    let rows = count / length as f64;
+    let rows = rows + 2.0 * ghosts as f64 * rows.min(CHUNK_SIZE as f64);
     // Lines of groups across rows, and half steps of a pass.
     let (lines, halves) = match cells {
         [_, layers] => (groups, 2 * max_pass_steps::<2>(*layers, slopes.halo())),

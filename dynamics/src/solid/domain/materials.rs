@@ -3,7 +3,6 @@
 use super::curvilinear::RowConstants;
 use super::layout::Layout;
 use super::material_table::{MaterialTable, WavePair};
-use super::schedule::CHUNK_SIZE;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
@@ -246,7 +245,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
             _ if axis + 1 == D => [layout.layer_groups(), layout.layers()],
             _ => [layout.groups, layout.cells[axis]],
         });
-        let ghosts = 2 * layout.ghosts * CHUNK_SIZE * layout.groups;
+        let ghosts = 2 * layout.ghosts * layout.ghost_rows() * layout.groups;
         let is_one = pattern_set.patterns.len() == 1;
         let run_lengths = lines.map(|[stride, count]| match is_one {
             true => Vec::new(),

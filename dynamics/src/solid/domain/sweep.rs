@@ -156,7 +156,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             first_data: bundle.first.start,
             size,
             first_ghost: self.layout.layers() * self.layout.rows * size,
-            ghost_stride: CHUNK_SIZE * size,
+            ghost_stride: self.layout.ghost_rows() * size,
             first_group: bundle.first.group,
             table: self.materials.axis_table(0),
             lane_pattern_indices: &self.materials.lane_pattern_indices,
@@ -321,7 +321,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// adjacent.
     fn path_group(&self, bundle: LineBundle, line: usize, place: isize) -> GroupIndex {
         let ghost = |end: usize, depth: usize| {
-            let ghost_rows = (end * self.layout.ghosts + depth) * CHUNK_SIZE;
+            let ghost_rows = (end * self.layout.ghosts + depth) * self.layout.ghost_rows();
             let row = self.layout.layers() * self.layout.rows + ghost_rows;
             self.layout.group_index(row, 0).shift_to_line(line, bundle.line_stride)
         };
