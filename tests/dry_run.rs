@@ -82,6 +82,7 @@ fn dry_run_lists_files_of_state_studies() {
 }
 
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn dry_run_lists_files_of_checks() {
     let short = ["check.numbers=[1]", "check.directions_deg=[30]", "check.cells=[12, 16]"];
     check_announced_files("check", "check/cubic-plane.toml", &short, &["check.png"]);

@@ -207,6 +207,7 @@ fn plane_lamb_problem_converges_to_quadrature() {
 /// moves; the solution is symmetric about the plane of load and block; numerical dissipation is positive and smaller on
 /// the finer grid.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
     let shares = [40, 60].map(|cells: usize| {
         let output = run_bundled_case(
@@ -296,6 +297,7 @@ fn run_surface_pulse(cells: usize, sets: &[&str]) -> (PlasticEffects, HalfSpaceR
 /// and the same load the differences decrease. The load is discontinuous in space and time; fronts that a scheme
 /// spreads over several cells converge at least like √h (Godunov 1959).
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn plastic_effects_of_surface_pulse_converge() {
     let effects = [60, 120, 240].map(|cells| {
         let (effects, output) = run_surface_pulse(cells, &[]);

@@ -260,6 +260,7 @@ fn pipes_in_results_folder_do_not_block() {
 /// Verifies that the size of a case is limited, since its memory is proportional to its size: a case of 40 MB is
 /// refused, and cases of the largest size need less than 1.5 GB of address space whatever they contain.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn case_size_is_limited() {
     const MAX_CASE_BYTES: usize = 16 << 20;
     let here = create_case_folder(TEST_FOLDER, "large", "");

@@ -98,6 +98,7 @@ fn run_announces_duration_files_and_bytes() {
 
 /// Verifies that Ctrl-C ends a run during a very long step.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn interrupted_step_ends_within_ten_seconds() {
     let here = create_case_folder(TEST_FOLDER, "long-step", SOLID_CASE);
     let settings =
@@ -386,6 +387,7 @@ snapshot_interval = 0
 }
 
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn runs_under_eight_memory_limits_are_refused_or_finish() {
     survive_memory_limits(8, 1);
 }

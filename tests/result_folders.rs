@@ -28,6 +28,7 @@ fn create_flow_folder(name: &str) -> PathBuf {
 /// bit-identical: twice, with up to 21 verbs each.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn concurrent_verbs_leave_run_results_unchanged() {
     check_concurrent_verbs("", 2, 21);
 }
@@ -159,6 +160,7 @@ fn results_of_running_run_are_not_overwritten() {
 /// Verifies that a damaged interrupted run is not resumed and that the refusal leaves its folder unchanged.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn damaged_runs_are_refused_and_left_unchanged() {
     let uninterrupted = create_solid_folder("undamaged");
     run_with_exit_code(0, &uninterrupted, RUN_ARGUMENTS);
@@ -285,6 +287,7 @@ fn folders_without_results_are_not_verified() {
 
 /// Verifies that damaged files are not plotted and that verbs do not add them to a new list of checksums.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn damaged_files_are_not_plotted_or_listed_again() {
     let here = create_solid_folder("covered");
     run_with_exit_code(0, &here, "run case.toml --out out --threads 1");
@@ -332,6 +335,7 @@ fn damaged_files_are_not_plotted_or_listed_again() {
 /// Verifies that a symbolic link in place of a lock file is not followed and its target is unchanged.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn symbolic_links_in_place_of_locks_are_refused() {
     for name in ["lock", ".publishing"] {
         let here = create_solid_folder(&format!("link-{name}"));
@@ -364,6 +368,7 @@ fn symbolic_link_in_place_of_log_is_not_followed() {
 /// Verifies that of several processes that resume one run, one succeeds; the others are refused or find it finished.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn only_one_process_resumes_a_run() {
     let uninterrupted = create_solid_folder("whole-resumed");
     run_with_exit_code(0, &uninterrupted, RUN_ARGUMENTS);

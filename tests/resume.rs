@@ -16,6 +16,7 @@ fn create_solid_folder(name: &str) -> PathBuf {
 
 /// Verifies that runs killed at four times of their duration and resumed until finished give the same files.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn four_killed_runs_resume_to_bit_identical_files() {
     check_killed_runs("four", 4);
 }
@@ -172,6 +173,7 @@ fn changed_case_is_not_resumed() {
 /// Verifies that the first Ctrl-C ends the run after the step, and the second at once; the run can be resumed.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn second_interruption_ends_run_at_once() {
     let uninterrupted = create_solid_folder("uninterrupted");
     assert!(run_program(&uninterrupted, RUN_ARGUMENTS).status.success());

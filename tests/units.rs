@@ -177,6 +177,7 @@ fn read_json(path: &Path) -> serde_json::Value {
 
 /// Verifies that verdicts of states are equal in all units; a third of the systems of units for each case.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn verdicts_do_not_depend_on_units() {
     check_verdicts("", Extent::OneSetInTurn);
 }
@@ -433,6 +434,7 @@ fn compare_tables(name: &str, case: &Table, units: &[DimensionExponents], tables
 /// Verifies that records and energies of yielding solids are bit-identical in all units, after scaling; a third of the
 /// systems of units for each solid.
 #[test]
+#[ignore = "takes long; part of .ci/long"]
 fn runs_of_solids_do_not_depend_on_units() {
     check_runs_of_solids("", Extent::OneSetInTurn);
 }
