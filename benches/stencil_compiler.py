@@ -13,6 +13,7 @@ solid and for the Cosserat solid (microrotation and force stresses 12, 21 at the
   directions.
 - `--rates`: million cell-steps per second on 1000² cells, one thread, double and single precision, fastest of sixty
   interleaved rounds by the timers of the kernel itself; a cell-step advances all fields of one cell by a whole time step.
+  Where other programs run, repeat until the numbers do not rise.
 - `--tune`: the same for several options of the compiler, orders 2, 4 and 8.
 - `--costs`: given the rates of the classical solid at orders 2, 4, 8, 16 and then of the Cosserat solid, the least time
   for a square of one wavelength and one period at which the error of the velocity after twenty wavelengths is at most 1 %
