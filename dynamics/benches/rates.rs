@@ -246,7 +246,9 @@ impl<T: SolverReal, const D: usize> MeasuredSolver<T, D> {
         if row.is_reference {
             return Self::Reference(Box::new(Reference::new(problem).expect("sound")));
         }
-        let mut split = DecomposedDomain::new(problem, row.threads).expect("sound");
+        let mut split =
+            DecomposedDomain::with_first_axis(problem.first_axis(), problem, row.threads)
+                .expect("sound");
         split.set_instructions(row.instructions);
         Self::Fused(split)
     }

@@ -184,8 +184,8 @@ impl<const D: usize> Layout<D> {
         for layer in cells[D - 1].clone() {
             for row in rows.clone() {
                 let row_start = self.data_range(layer, &(row..row + 1)).start;
-                for field in 0..self.field_count {
-                    for (group, lane) in &lanes {
+                for (group, lane) in &lanes {
+                    for field in 0..self.field_count {
                         visit(row_start + field * self.pitch + group, *lane);
                     }
                 }
