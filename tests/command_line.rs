@@ -61,7 +61,7 @@ fn cases_are_listed_with_their_titles() {
 /// Verifies the files of every bundled case, of simulations after the first 1 % of the duration and of flows on 64 × 64
 /// points at most.
 #[test]
-#[ignore = "takes long; part of .ci/long"]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn every_bundled_case_runs() {
     let here = create_folder(TEST_FOLDER, "bundled");
     for (path, text) in CASES {

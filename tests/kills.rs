@@ -140,7 +140,7 @@ fn check_runs_with_kills(case: &KilledCase, count: usize, seed: u64) {
 }
 
 #[test]
-#[ignore = "takes long; part of .ci/long"]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn results_are_bit_identical_after_four_kills() {
     check_runs_with_kills(&KILLED_SOLID, 4, 1);
 }

@@ -191,7 +191,7 @@ fn results_on_ranks_are_those_of_one_process() {
 }
 
 #[test]
-#[ignore = "takes long; part of .ci/long"]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn wrong_set_ups_end_with_one_message() {
     for (index, launcher) in Launcher::find_all().into_iter().enumerate() {
         let folder = create_case_folder(TEST_FOLDER, &format!("wrong{index}"), &solid_case());

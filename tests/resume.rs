@@ -16,7 +16,7 @@ fn create_solid_folder(name: &str) -> PathBuf {
 
 /// Verifies that runs killed at four times of their duration and resumed until finished give the same files.
 #[test]
-#[ignore = "takes long; part of .ci/long"]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn four_killed_runs_resume_to_bit_identical_files() {
     check_killed_runs("four", 4);
 }

@@ -118,6 +118,8 @@ mod snapshots;
 mod solids;
 #[path = "split.rs"]
 mod split;
+#[path = "thin_grids.rs"]
+mod thin_grids;
 #[path = "units.rs"]
 mod units;
 #[path = "verbs.rs"]

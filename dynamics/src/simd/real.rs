@@ -16,10 +16,10 @@ pub trait Real: Number + PartialOrd {
     /// Converts to double precision, exactly.
     fn to_f64(self) -> f64;
 
-    /// Writes numbers as little-endian bytes.
+    /// Writes numbers as little-endian bytes, as many as there is room for.
     fn write_bytes(numbers: &[Self], bytes: &mut [u8]);
 
-    /// Reads numbers from little-endian bytes.
+    /// Reads numbers from little-endian bytes, as many as there are.
     fn read_bytes(bytes: &[u8], numbers: &mut [Self]);
 
     /// Converts little-endian bytes to numbers; `None` if their count is not a multiple of the size of a number.

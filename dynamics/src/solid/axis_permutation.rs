@@ -1,5 +1,5 @@
-//! Permutation of the axes: with alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the
-//! first axis of a domain is swept differently from the others, and may be any axis of the problem.
+//! Permutation of the axes: the first axis of a domain, along which rows lie in memory and which alternating sweeps treat
+//! differently from the others ([`Splitting::Alternating`](crate::solid::problem::Splitting)), may be any axis of the problem.
 
 use std::borrow::Cow;
 use std::ops::Range;

@@ -158,24 +158,23 @@ pub struct Problem<const D: usize> {
 /// Number of cells from which on rows along an axis fill most SIMD lanes.
 const MIN_ROW_CELLS: usize = 8;
 
-/// Returns the axis of a grid of `cells` cells that should be swept first, along which rows lie in memory: in three
-/// dimensions with alternating sweeps (`is_alternating`) the last one with reflecting boundaries (`has_reflecting_end`), if
-/// any, else the first one. Axes with fewer than eight cells are left out if there are longer ones.
+/// Returns the axis of a grid of `cells` cells that should be swept first, along which rows lie in memory.
 ///
-/// Sweeps along the first axis alternate with those along both others, which do not alternate with each other. Waves along a
-/// free boundary have four times the splitting error unless sweeps normal to the boundary alternate with tangential ones.
+/// In three dimensions with alternating sweeps (`is_alternating`) it is the last axis of several cells with reflecting
+/// boundaries (`has_reflecting_end`), if there is one: sweeps along the first axis alternate with those along both others,
+/// which do not alternate with each other, and waves along a free boundary have four times the splitting error unless sweeps
+/// normal to the boundary alternate with tangential ones. Else it is the first axis with at least eight cells, or axis 0.
 pub fn choose_first_axis(
     cells: &[usize],
     has_reflecting_end: impl Fn(usize) -> bool,
     is_alternating: bool,
 ) -> usize {
-    let has_long_axis = cells.iter().any(|count| *count >= MIN_ROW_CELLS);
-    let mut axes = (0..cells.len()).filter(|&axis| !has_long_axis || cells[axis] >= MIN_ROW_CELLS);
     let reflecting = match cells.len() == 3 && is_alternating {
-        true => axes.clone().rev().find(|axis| has_reflecting_end(*axis)),
+        true => (0..3).rev().find(|&axis| cells[axis] > 1 && has_reflecting_end(axis)),
         false => None,
     };
-    reflecting.or_else(|| axes.next()).unwrap_or(0)
+    let long = || cells.iter().position(|count| *count >= MIN_ROW_CELLS);
+    reflecting.or_else(long).unwrap_or(0)
 }
 
 impl<const D: usize> Problem<D> {
@@ -216,8 +215,8 @@ impl<const D: usize> Problem<D> {
             Boundary::ByFace(pairs) => pairs.iter().flatten().any(Condition::is_reflecting),
             Boundary::Periodic | Boundary::NonReflecting => false,
         };
-        // The layers of a metric are normal to the second axis.
-        if self.metric.is_some() {
+        // The layers of a metric are normal to the second axis, and faces of interlayers are numbered in the order of the axes.
+        if self.metric.is_some() || !self.interlayers.is_empty() {
             return 0;
         }
         let has_reflecting_end = |axis: usize| self.boundaries[axis].iter().any(reflects);

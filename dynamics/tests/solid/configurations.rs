@@ -311,7 +311,8 @@ fn run_reference<T: SolverReal, const D: usize>(
     start: InitialValues,
     steps: usize,
 ) -> Reference<T, D> {
-    let mut reference: Reference<T, D> = Reference::new(problem).expect("a sound problem");
+    let mut reference: Reference<T, D> =
+        Reference::with_first_axis(problem.first_axis(), problem).expect("a sound problem");
     let fields = reference.fields().to_vec();
     fields.iter().zip(start.values(problem)).for_each(|(f, own)| reference.set_field(*f, &own));
     reference.initialise_interlayers();
@@ -330,7 +331,8 @@ fn run_fused<T: SolverReal, const D: usize>(
     let mut last: Option<(Snapshot<T>, Vec<Vec<f64>>, Energy)> = None;
     for &(parts, steps) in runs {
         let mut decomposed: DecomposedDomain<T, D> =
-            DecomposedDomain::with_subdomains(0, problem, parts).expect("a sound problem");
+            DecomposedDomain::with_subdomains(problem.first_axis(), problem, parts)
+                .expect("a sound problem");
         decomposed.set_instructions(instructions);
         match &last {
             Some((snapshot, ..)) => assert!(decomposed.restore(snapshot)),

@@ -148,6 +148,19 @@ fn decompositions_equal_the_whole_domain() {
     }
 }
 
+/// Verifies decomposition of grids whose halos are sent in several messages.
+#[test]
+fn decompositions_with_long_halos_equal_the_whole_domain() {
+    let free = || [Boundary::Free, Boundary::Free];
+    let periodic = || [Boundary::Periodic, Boundary::Periodic];
+    let step = PlasticStep::default();
+    let plane = random_problem_of_solids(two_solids(), &[periodic(), free()], [17, 4100], step);
+    compare_decompositions::<f64, 2>(&plane, [1, 2]);
+    let space =
+        random_problem_of_solids(two_solids(), &[free(), periodic(), free()], [9, 50, 110], step);
+    compare_decompositions::<f64, 3>(&space, [1, 1]);
+}
+
 /// Verifies decomposition in each theory: halos must contain the fields that are changed by sweeps along the last axis
 /// and by the spin–stress rotation.
 #[test]

@@ -1,6 +1,7 @@
 //! Thin grids: rows lie along a long axis, sweeps along idle axes, which are periodic and have one cell, are left out, and a
 //! thread advances several parts of a long row. Results must be equal bit for bit to those of the reference solver, which
-//! does none of this.
+//! sweeps along all axes, one after the other. That thin grids do not depend on the orientation is tested in `thin_grids` of
+//! the program.
 
 use crate::configurations::{
     FLUSHED_MAGNITUDES, compare_problems, random_media, random_problem_in_grid,

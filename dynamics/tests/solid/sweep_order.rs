@@ -263,7 +263,7 @@ fn reflecting_boundaries_select_the_first_axis() {
     assert_eq!(still.first_axis(), 1);
     still.scheme.splitting = Splitting::TwoCyclic;
     assert_eq!(still.first_axis(), 0);
-    // Rows of fewer than eight cells would leave most SIMD lanes empty.
+    // Rows of fewer than eight cells would leave most SIMD lanes empty, unless they are normal to a free surface.
     let first_axis = |cells: &[usize], reflecting: &[usize], is_alternating| {
         choose_first_axis(cells, |axis| reflecting.contains(&axis), is_alternating)
     };
@@ -271,8 +271,9 @@ fn reflecting_boundaries_select_the_first_axis() {
     assert_eq!(first_axis(&[8, 100], &[], true), 0);
     assert_eq!(first_axis(&[4, 7], &[1], true), 0);
     assert_eq!(first_axis(&[60, 60, 1], &[0, 1, 2], true), 1);
+    assert_eq!(first_axis(&[60, 60, 4], &[0, 1, 2], true), 2);
+    assert_eq!(first_axis(&[6, 60, 60], &[0], true), 0);
     assert_eq!(first_axis(&[1, 60, 60], &[0], true), 1);
-    assert_eq!(first_axis(&[2, 3, 7], &[1], true), 1);
     assert_eq!(first_axis(&[2, 60, 60], &[2], false), 1);
 
     let start = || DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 2).expect("sound");

@@ -7,7 +7,6 @@ use crate::case::dynamics::{
     BoundaryConditionKind, BoundaryFace, FaceCondition, FaceLoad, LoadedArea, StateComponent,
 };
 use dynamics::boundary::{Boundary, Condition, Load};
-use std::collections::HashSet;
 use std::sync::Arc;
 
 impl GridConverter<'_> {
@@ -88,28 +87,23 @@ impl GridConverter<'_> {
             self.check_not_empty(is_empty, &format!("boundary[{index}]"))?;
         }
         // A load sets the type of condition on its faces; two loads must not set different types.
-        let mut earlier_loads = Vec::new();
+        let mut loaded: Vec<Option<Vec<Option<Condition>>>> = vec![None; pairs.len()];
         let own = |entry: &(usize, &FaceLoad)| entry.1.face == boundary;
         for (index, load) in self.solid_run.loads.iter().enumerate().filter(own) {
             let (pair, condition) = self.find_driven_pair(index, load)?;
             let faces = self.compute_loaded_faces(index, load)?;
-            for (other, other_pair, other_condition) in &earlier_loads {
-                if *other_pair != pair || *other_condition == condition {
-                    continue;
-                }
-                let others = self.compute_loaded_faces(*other, &self.solid_run.loads[*other])?;
-                let others: HashSet<usize> = others.into_iter().map(|(face, _)| face).collect();
-                if faces.iter().any(|(face, _)| others.contains(face)) {
+            let said = loaded[pair].get_or_insert_with(|| vec![None; face_count]);
+            for (face, _) in &faces {
+                if said[*face].replace(condition).is_some_and(|own| own != condition) {
                     let found = format!("{} on faces with another load", load.component);
                     let allowed = "either the velocity or the stress of a wave on a face";
                     let key = format!("load[{index}].field");
                     return Err(self.solid_run.key_error(&key, found, allowed).into());
                 }
             }
-            earlier_loads.push((index, pair, condition));
             if matches!(load.loaded_area, LoadedArea::WholeFace) && by_face.is_none() {
                 by_pair[pair] = condition;
-            } else {
+            } else if by_face.is_some() || by_pair[pair] != condition {
                 let by_face = by_face.get_or_insert_with(|| spread(&by_pair));
                 faces.iter().for_each(|(face, _)| by_face[pair][*face] = condition);
             }

@@ -5,6 +5,7 @@
 //! halos along lower axes, so that edges and corners are filled by two or three successive exchanges.
 
 use super::interlayer_faces::LaneInterlayers;
+use super::kernel::prefetch;
 use super::layout::Layout;
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number};
@@ -266,8 +267,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// only.
     fn pack_fields(&self, cells: &[Range<usize>; D]) -> Vec<T::Lanes> {
         let mut packed = vec![T::Lanes::ZERO; packed_groups::<T, D>(&self.layout, cells)];
-        let mut number = 0;
+        let (mut number, row_size) = (0, self.layout.row_size());
         self.layout.visit_values(cells, |group, lane| {
+            prefetch(&self.field_data[group..], row_size, true);
             let value = self.field_data[group].lanes()[lane];
             packed[number / T::Lanes::COUNT].lanes_mut()[number % T::Lanes::COUNT] = value;
             number += 1;
@@ -277,8 +279,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Unpacks the fields of the cells in a box.
     fn unpack_fields(&mut self, cells: &[Range<usize>; D], packed: &[T::Lanes]) {
-        let mut number = 0;
+        let (mut number, row_size) = (0, self.layout.row_size());
         self.layout.visit_values(cells, |group, lane| {
+            prefetch(&self.field_data[group..], row_size, true);
             let value = packed[number / T::Lanes::COUNT].lanes()[number % T::Lanes::COUNT];
             self.field_data[group].lanes_mut()[lane] = value;
             number += 1;

@@ -35,7 +35,7 @@ pub(crate) const MAX_PREFETCH_FIELDS: usize = 4;
 
 /// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `into_l1`, else into L2.
 #[inline(always)]
-fn prefetch<N>(from: &[N], distance: usize, into_l1: bool) {
+pub(super) fn prefetch<N>(from: &[N], distance: usize, into_l1: bool) {
     for line in (0..size_of::<N>()).step_by(64) {
         let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
         prefetch_line(address.wrapping_add(line), into_l1);

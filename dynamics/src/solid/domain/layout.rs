@@ -20,8 +20,8 @@ use crate::solid::reconstruction::Slopes;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Largest number of field values of a message with several layers of a halo: messages are short, since they are in memory
-/// besides the fields, and the neighbour unpacks one while it waits for the next.
+/// Largest number of field values of a message with several layers of a halo: while one is packed or unpacked, it is twice in
+/// memory, and a rank unpacks one while it waits for the next.
 const MAX_MESSAGE_VALUES: usize = 1 << 17;
 
 /// Largest number of groups of a row that pass the middle of a step together, so that their layers stay in the cache.
@@ -184,8 +184,8 @@ impl<const D: usize> Layout<D> {
         for layer in cells[D - 1].clone() {
             for row in rows.clone() {
                 let row_start = self.data_range(layer, &(row..row + 1)).start;
-                for (group, lane) in &lanes {
-                    for field in 0..self.field_count {
+                for field in 0..self.field_count {
+                    for (group, lane) in &lanes {
                         visit(row_start + field * self.pitch + group, *lane);
                     }
                 }

@@ -33,6 +33,9 @@ const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
 /// dissipation, bytes, by measurement.
 const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
 
+/// Memory per pair of waves and face of a side with loads, or whose conditions differ between faces, bytes, by measurement.
+const BYTES_PER_LOADED_FACE: f64 = 200.0;
+
 /// Memory while snapshots are written, bytes, by measurement: some layers of cells with all arrays, their encoded values,
 /// and compressed values.
 const SNAPSHOT_MEMORY_BYTES: f64 = 12.0 * 1048576.0;
@@ -121,15 +124,24 @@ impl SolidJob<'_> {
         }
     }
 
-    /// Estimates the memory of the boundary conditions of a ledger with numerical dissipation, which are stored by face,
-    /// bytes.
+    /// Estimates the memory of conditions and loads that are stored by face, bytes: those of sides with loads or with
+    /// different conditions, and of all sides of a ledger with numerical dissipation.
     fn estimate_boundary_memory(&self) -> f64 {
-        let SolidRun { grid, .. } = self.solid_run;
-        let lines: usize = grid.cells.iter().map(|cells| grid.cell_count() / cells).sum();
-        match self.has_reference_solver() {
-            true => BYTES_PER_REFERENCE_BOUNDARY_LINE * (lines * self.pair_count()) as f64,
-            false => 0.0,
-        }
+        let SolidRun { grid, boundary_conditions, loads, .. } = self.solid_run;
+        let faces = |axis: usize| (grid.cell_count() / grid.cells[axis]) as f64;
+        let differs = |side: &BoundaryFace| {
+            loads.iter().any(|own| own.face == *side)
+                || boundary_conditions
+                    .iter()
+                    .any(|own| own.face == *side && own.rectangle.is_some())
+        };
+        let sides = (0..grid.dimensions())
+            .flat_map(|axis| [false, true].map(|is_upper| BoundaryFace { axis, is_upper }));
+        let by_face: f64 = sides.filter(differs).map(|side| faces(side.axis)).sum();
+        let lines: f64 = (0..grid.dimensions()).map(faces).sum();
+        let reference = if self.has_reference_solver() { lines } else { 0.0 };
+        self.pair_count() as f64
+            * (BYTES_PER_LOADED_FACE * by_face + BYTES_PER_REFERENCE_BOUNDARY_LINE * reference)
     }
 
     /// Returns whether the ledger has the numerical dissipation, which needs the solver of one sweep at a time.
@@ -173,7 +185,7 @@ impl SolidJob<'_> {
             })
         };
         let is_alternating = scheme.splitting == DimensionalSplitting::Alternating;
-        let first = match grid.is_polar() {
+        let first = match grid.is_polar() || self.joint_face_count() > 0 {
             true => 0,
             false => choose_first_axis(&grid.cells, has_reflecting_end, is_alternating),
         };
