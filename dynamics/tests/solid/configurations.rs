@@ -403,9 +403,9 @@ pub fn compare_problems<T: SolverReal, const D: usize>(
         // Along the first axis the stencil of the output needs as many more cells than the halo as there are ghosts.
         let max_count = |axis: usize| {
             let (cells, ghosts) = (problem.grid.cells[axis], problem.scheme.slopes.ghosts());
-            match axis {
-                0 => (cells / (3 * ghosts)).clamp(1, 3),
-                _ => (cells / (2 * ghosts)).clamp(1, 4),
+            match axis == problem.first_axis() {
+                true => (cells / (3 * ghosts)).clamp(1, 3),
+                false => (cells / (2 * ghosts)).clamp(1, 4),
             }
         };
         let mut random_counts =
