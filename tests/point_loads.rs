@@ -1,5 +1,5 @@
 //! Tests of point sources and point loads: against the exact wave of a plane source at any position in a cell, and
-//! reduced models with planes of symmetry against the complete model.
+//! reduced models with planes of symmetry against the complete model; conditions of sides against those of all their faces.
 
 use crate::support;
 
@@ -62,6 +62,48 @@ fn plane_source_converges_at_second_order_at_any_position() {
         coarse_error = errors[0];
     }
     assert!(error(20, 0.86, "kernel='cell'") > 2.0 * coarse_error);
+}
+
+/// Verifies that a condition and a velocity load of a whole side act as those of all its faces, given one by one, and that a
+/// condition of a whole side replaces earlier ones of its faces.
+#[test]
+fn sides_move_like_all_their_faces() {
+    let run = |sides: &str| {
+        run_and_read_arrays(
+            &format!(
+                "{MODEL_SECTION}[grid]\ncells=[12, 9]\nspacing=0.5\n[time]\nduration=0.025\n{sides}"
+            ),
+            "fields.npz",
+        )
+    };
+    let (all, some) = ("from=-1.0\nto=10.0\n", "from=1.0\nto=2.0\n");
+    let fixed = |area: &str| format!("[[boundary]]\nside='x1+'\nkind='fixed'\n{area}");
+    let push = |area: &str| {
+        format!(
+            "[[load]]\nside='x1-'\nfield='v1'\namplitude=0.1\n{area}time={{kind='pulse', duration=0.02}}\n"
+        )
+    };
+    let open = "[[boundary]]\nside='x1+'\nkind='non-reflecting'\n";
+    let expected = run(&(fixed(all) + &push(all)));
+    let different = run(&(fixed(some) + &push(some)));
+    let free = run(&push(all));
+    for sides in [
+        fixed("") + &push(""),
+        fixed(all) + &push(""),
+        open.to_owned() + &fixed(some) + &fixed("") + &push(all),
+    ] {
+        let found = run(&sides);
+        for name in ["v1", "v2", "sigma11", "sigma12", "sigma22"] {
+            assert!(found[name] == expected[name], "{name}: {sides}");
+        }
+    }
+    assert!(different["v1"] != expected["v1"] && free["v1"] != expected["v1"]);
+    // A fixed side reflects a pulse with the opposite velocity: behind it the side does not move.
+    let last = expected["v1"].iter().skip(11).step_by(12);
+    let moved = free["v1"].iter().skip(11).step_by(12);
+    let greatest =
+        |values: &mut dyn Iterator<Item = &f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
+    assert!(greatest(&mut last.clone()) < 0.5 * greatest(&mut moved.clone()));
 }
 
 /// Verifies sources on planes of symmetry: half and quarter models move like the complete model with the same
