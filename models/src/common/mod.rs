@@ -13,6 +13,8 @@ pub mod product;
 pub mod range;
 pub mod rates;
 pub mod rounding;
+pub mod scalar;
 pub mod system;
+pub mod taylor_model;
 
 pub use dyn_eq::DynEq;

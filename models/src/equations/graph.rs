@@ -9,7 +9,8 @@
 //! Derivatives refer to the frame that moves with the background velocity V where the model declares a velocity:
 //! ∂ₜ + v·∇ = ∂ₜ* + (v − V)·∇, where v − V vanishes exactly at the background.
 
-use super::syntax::{Function, Function2};
+use super::syntax::Function2;
+use crate::common::scalar::Function;
 use std::collections::HashMap;
 
 /// Number of a node; operands have lower numbers than the node.

@@ -12,7 +12,6 @@
 //! | `graph` | expressions with shared sub-expressions, total derivatives, derivatives by jet variables |
 //! | `elimination` | algebraic unknowns that an equation gives |
 //! | `program` | compiled expressions, without tree walk |
-//! | [`scalar`] | doubles, numbers with rounding bounds, dual numbers |
 //! | `model`, `state`, `solve` | compiled models, their evaluation at a state, background derivatives |
 
 mod check;
@@ -23,16 +22,15 @@ mod model;
 mod names;
 mod printer;
 mod program;
-pub mod scalar;
 mod solve;
 mod state;
 mod syntax;
 mod units;
 
+pub use crate::common::scalar::Function;
 pub use error::{EvaluationError, TextError, TextPlace};
 pub use graph::{JetVariable, MAX_ORDER, MultiIndex};
 pub use model::{
     MAX_DIFFERENTIAL_UNKNOWNS, MAX_UNKNOWNS, ModelText, NamedText, Quantity, SymbolEntry, TextModel,
 };
 pub use state::{RESIDUAL_TOLERANCE, Residual, TextState, TextWorkspace};
-pub use syntax::Function;

@@ -1,8 +1,8 @@
 //! Expressions compiled to a flat list of instructions, one per node of the graph, without branches or a tree walk.
 
 use super::graph::{Graph, JetVariable, Node, NodeId};
-use super::scalar::{Scalar, pi};
-use super::syntax::{Function, Function2};
+use super::syntax::Function2;
+use crate::common::scalar::{Function, Scalar, pi};
 use std::collections::{HashMap, HashSet};
 
 /// Problem of `min` and `max` at their kink.

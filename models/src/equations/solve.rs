@@ -3,9 +3,9 @@
 use super::error::EvaluationError;
 use super::graph::JetVariable;
 use super::model::TextModel;
-use super::scalar::{Dual, Scalar};
 use super::state::{TextState, TextWorkspace};
 use crate::common::rounding::Rounded;
+use crate::common::scalar::{Dual, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// Largest number of iterations; equations that are linear in the derivatives need one.

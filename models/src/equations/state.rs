@@ -4,8 +4,8 @@ use super::error::{EvaluationError, TextPlace};
 use super::graph::{JetVariable, MultiIndex};
 use super::model::{Symbol, TextModel};
 use super::program::{Fault, Input, Program};
-use super::scalar::Scalar;
 use crate::common::rounding::Rounded;
+use crate::common::scalar::Scalar;
 use crate::common::system::{HigherTerm, LinearisedSystem};
 
 /// Largest residual of an equation at the background, relative to its largest term.

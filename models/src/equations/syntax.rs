@@ -13,6 +13,7 @@
 //! dimensions, `s[1,j]` is `s11`, `s12`, … in turn.
 
 use super::error::{TextError, TextPlace, line_and_column};
+use crate::common::scalar::Function;
 use std::ops::Range;
 
 /// Largest depth of the tree of an expression, so that no recursion over it overflows the stack.
@@ -58,39 +59,6 @@ pub(super) enum BinaryOperator {
     Multiply,
     Divide,
     Power,
-}
-
-/// Elementary functions of one argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Function {
-    /// Square root.
-    Sqrt,
-    /// Exponential.
-    Exp,
-    /// Natural logarithm.
-    Ln,
-    /// Sine.
-    Sin,
-    /// Cosine.
-    Cos,
-    /// Tangent.
-    Tan,
-    /// Arc sine.
-    Asin,
-    /// Arc cosine.
-    Acos,
-    /// Arc tangent.
-    Atan,
-    /// Hyperbolic sine.
-    Sinh,
-    /// Hyperbolic cosine.
-    Cosh,
-    /// Hyperbolic tangent.
-    Tanh,
-    /// Absolute value.
-    Abs,
-    /// Sign.
-    Sign,
 }
 
 /// Functions of two arguments.

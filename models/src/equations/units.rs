@@ -1,9 +1,8 @@
 //! Units of expressions: dimensional analysis of definitions and equations.
 
 use super::error::{TextError, TextPlace, line_and_column};
-use super::syntax::{
-    BinaryOperator, Callee, Derivative, Expression, ExpressionKind, Function, Function2,
-};
+use super::syntax::{BinaryOperator, Callee, Derivative, Expression, ExpressionKind, Function2};
+use crate::common::scalar::Function;
 use std::fmt;
 
 /// Exponents of kg, m, s, K, A and mol in twelfths, so that roots stay exact.

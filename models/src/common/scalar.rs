@@ -1,12 +1,45 @@
-//! Number types on which compiled expressions are evaluated: doubles, numbers with rounding bounds, dual numbers.
+//! Number types on which formulas are evaluated: doubles, numbers with rounding bounds, dual numbers;
+//! [`TaylorModel`](super::taylor_model::TaylorModel)s enclose functions over a box of parameters.
 
-use super::syntax::Function;
-use crate::common::elementary::Elementary;
-use crate::common::rounding::Rounded;
+use super::elementary::Elementary;
+use super::rounding::Rounded;
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number type of expressions.
+/// Elementary functions of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    /// Square root.
+    Sqrt,
+    /// Exponential.
+    Exp,
+    /// Natural logarithm.
+    Ln,
+    /// Sine.
+    Sin,
+    /// Cosine.
+    Cos,
+    /// Tangent.
+    Tan,
+    /// Arc sine.
+    Asin,
+    /// Arc cosine.
+    Acos,
+    /// Arc tangent.
+    Atan,
+    /// Hyperbolic sine.
+    Sinh,
+    /// Hyperbolic cosine.
+    Cosh,
+    /// Hyperbolic tangent.
+    Tanh,
+    /// Absolute value.
+    Abs,
+    /// Sign.
+    Sign,
+}
+
+/// A number type of formulas.
 pub trait Scalar:
     Copy
     + Add<Output = Self>
@@ -259,6 +292,6 @@ impl<T: Scalar> Scalar for Dual<T> {
 }
 
 /// The number π.
-pub(super) fn pi<T: Scalar>() -> T {
+pub(crate) fn pi<T: Scalar>() -> T {
     T::from_rounded(PI)
 }
