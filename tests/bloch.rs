@@ -71,6 +71,7 @@ fn parse_json(text: &str) -> Value {
 /// Verifies the Bloch waves of blocks with elastic layers of 5 mm: band gap, long waves as in the continuum, verdict,
 /// files, and bit-identical results for any number of threads.
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn elastic_joints_have_band_gap_and_continuum_long_waves() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let text = run_dispersion(folder.path(), &elastic_case(), &[], 1, true).expect("a medium");
@@ -147,6 +148,7 @@ fn chain_frequencies_agree_with_exact_values() {
 }
 
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn viscous_joints_damp_waves() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let found = parse_json(

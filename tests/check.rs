@@ -68,6 +68,7 @@ fn with_settings(plan: &WavePlan, change: impl Fn(&mut SolverSettings)) -> WaveP
 /// Verifies all branches of every theory: relative error below 10⁻⁴ in the limit of zero cell size and below 1 % with
 /// 20 cells per period, and the order of convergence of the scheme.
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn measured_elastic_waves_agree_with_prediction() {
     let cases = [
         ("dynamics/lamb-2d.toml", 2),
@@ -117,6 +118,7 @@ fn measured_elastic_waves_agree_with_prediction() {
 }
 
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn measured_loading_and_unloading_waves_agree_with_prediction() {
     for name in
         ["check/slipping-layers.toml", "check/yielding-cone.toml", "check/yielding-plane.toml"]

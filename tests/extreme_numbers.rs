@@ -22,6 +22,7 @@ fn assert_refused(here: &Path, settings: &str, key: &str, message: &str) {
 
 /// Verifies that the verb `point` either prints finite numbers or refuses the case.
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn solid_states_with_extreme_parameters_are_finite_or_refused() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let here = create_case_folder(TEST_FOLDER, "states", "");

@@ -297,6 +297,7 @@ fn run_starts_from_fields_of_archive() {
 /// Verifies that interrupted (Ctrl-C) or killed runs resumed with other numbers of threads give the same files.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn interrupted_runs_resume_to_bit_identical_files() {
     let text = format_decaying_case(RECEIVERS_AND_SNAPSHOTS)
         .replace("duration = 0.001", "duration = 0.004")

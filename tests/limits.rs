@@ -167,6 +167,7 @@ fn measure_peak_memory(here: &std::path::Path, arguments: &str) -> f64 {
 /// Verifies that a check prints a progress line within 20 s while it prepares a fine grid, which takes longer, without
 /// a terminal.
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn check_without_progress_prints_lines() {
     let here = create_case_folder(TEST_FOLDER, "progress-lines", "");
     let case = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/check/grid-dependence.toml");

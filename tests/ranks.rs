@@ -316,6 +316,7 @@ fn maps_on_ranks_are_those_of_one_process() {
 }
 
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn folders_are_checked_on_ranks_as_by_one_process() {
     let folder = create_case_folder(TEST_FOLDER, "check", "");
     let cases = folder.join("cases");
@@ -449,6 +450,7 @@ fn a_killed_rank_ends_the_others_and_the_run_resumes() {
 /// Verifies that the results of a run that stops at a value that is not finite do not depend on the checkpoint from which
 /// the last valid state is searched, in one process and on ranks.
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn stopped_runs_have_the_same_results_with_and_without_checkpoints() {
     // The phase of the sine overflows, after at least one batch of steps.
     let load = "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1\n\

@@ -389,6 +389,7 @@ fn only_one_process_resumes_a_run() {
 /// Verifies that a verb waits for a folder that is locked briefly, and fails if the lock is held for ten seconds.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn lock_held_for_ten_seconds_is_an_error() {
     let here = create_flow_folder("waiting");
     fs::create_dir(here.join("out")).unwrap();

@@ -81,6 +81,7 @@ fn largest_face_value(file: &[u8], name: &str) -> f64 {
 /// same files as the run without interruption: the checkpoint contains the memory of the faces.
 #[cfg(unix)]
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn interrupted_runs_with_joints_resume_to_bit_identical_files() {
     let whole = create_case_folder("resume", "joints-whole", JOINT_CASE);
     assert!(run_program(&whole, RUN_ARGUMENTS).status.success());

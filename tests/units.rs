@@ -218,6 +218,7 @@ fn check_verdicts(prefix: &str, extent: Extent) {
 
 /// Verifies that every verdict of a map is equal in all units; a third of the systems of units for each case.
 #[test]
+#[ignore = "takes long; part of .ci/run and .ci/long"]
 fn maps_do_not_depend_on_units() {
     check_maps("map-", Extent::OneSetInTurn);
 }
