@@ -9,7 +9,8 @@ use crate::common::input::InputError;
 use crate::common::kind::impl_kind_by_name;
 use crate::common::parameter::Parameter;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedFormVerdict;
+use crate::common::taylor_model::TaylorModel;
+use crate::flow::closed_form::{BoxCondition, ClosedFormVerdict};
 use std::fmt;
 use std::sync::Arc;
 
@@ -66,6 +67,19 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     /// Closed-form verdict on `flow`; `None` if no formula decides it with certainty.
     fn closed_form_verdict(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         let _ = flow;
+        None
+    }
+
+    /// Conditions for well-posedness over a box of states with these enclosures of the constants, in the order of
+    /// [`FlowModel::parameters`], and of the non-coaxiality Δ, rad. All states of the box are fully deforming; `flow` is
+    /// one of them and has their gradients and accelerations. `None` if no formula is known for them.
+    fn box_conditions(
+        &self,
+        flow: &DeformingFlow,
+        constants: &[TaylorModel],
+        noncoaxiality: TaylorModel,
+    ) -> Option<Vec<BoxCondition>> {
+        let _ = (flow, constants, noncoaxiality);
         None
     }
 

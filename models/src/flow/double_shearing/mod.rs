@@ -7,7 +7,8 @@ pub mod symbol;
 
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedFormVerdict;
+use crate::common::taylor_model::TaylorModel;
+use crate::flow::closed_form::{BoxCondition, ClosedFormVerdict};
 use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use crate::flow::{FlowLaw, FlowModel, RotationKind, SHARED_PARAMETERS};
 use parameters::DoubleShearing;
@@ -46,5 +47,14 @@ impl FlowLaw for DoubleShearing {
 
     fn closed_form_verdict(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         closed_form::closed_form_verdict(self, flow)
+    }
+
+    fn box_conditions(
+        &self,
+        _flow: &DeformingFlow,
+        constants: &[TaylorModel],
+        _noncoaxiality: TaylorModel,
+    ) -> Option<Vec<BoxCondition>> {
+        closed_form::box_conditions(constants)
     }
 }

@@ -3,8 +3,10 @@
 use super::parameters::HarrisGrekova;
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
+use crate::common::scalar::{Function, Scalar};
+use crate::common::taylor_model::TaylorModel;
 use crate::flow::closed_form::{
-    ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle, resolved_sign,
+    BoxCondition, ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle, resolved_sign,
 };
 use crate::flow::state::DeformingFlow;
 use std::f64::consts::PI;
@@ -82,19 +84,14 @@ fn assess_with_dilatancy(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<
     let phi = Rounded::from_angle(model.coulomb.friction_angle);
     let nu = Rounded::from_angle(model.dilatancy_angle);
     let twice_delta = 2.0 * flow.rounded_noncoaxiality();
-    let (cosine, sine) = (twice_delta.cos(), twice_delta.sin());
-    let rule = model.flow_rule();
-    let (cos_e, sin_nu, cos_nu) =
-        (rule.volume_coefficient, rule.dilatancy_coefficient, rule.shear_coefficient);
-    let (sin_phi, cos_phi) = (phi.sin(), phi.cos());
-
-    let cosine_term = cos_nu * cosine;
-    let sine_term = sin_nu * cos_e * sine;
-    let excess =
-        cos_phi * (phi - 2.0 * nu).cos() * cosine_term * cosine_term - sine_term * sine_term;
-    if resolved_sign(excess)? > 0 {
-        return (resolved_sign(cosine)? > 0).then_some(ClosedFormVerdict::WellPosed);
+    if resolved_sign(ellipticity(phi, nu, twice_delta))? > 0 {
+        return (resolved_sign(twice_delta.cos())? > 0).then_some(ClosedFormVerdict::WellPosed);
     }
+    let rule = model.flow_rule();
+    let (cos_e, sin_nu) = (rule.volume_coefficient, rule.dilatancy_coefficient);
+    let (sin_phi, cos_phi) = (phi.sin(), phi.cos());
+    let cosine_term = rule.shear_coefficient * twice_delta.cos();
+    let sine_term = sin_nu * cos_e * twice_delta.sin();
     // Of the two solutions β of b cos β − d sin β = a the one with the larger |𝒜| is taken: the other may be at 𝒜 = 0,
     // where ς has no pole.
     let a = (cosine_term * (cos_e + sin_nu * sin_phi)).value;
@@ -105,6 +102,41 @@ fn assess_with_dilatancy(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<
     let (first, second) = (half_angle - shift, -half_angle - shift);
     let beta = if distance(first) >= distance(second) { first } else { second };
     Some(ClosedFormVerdict::from_unbounded_growth(flow, beta))
+}
+
+/// a² − b² − d² but for a positive factor, with the coefficients of [`assess_with_dilatancy`]: the expression
+/// cos²ν cos φ cos(φ − 2ν) cos²2Δ − sin²ν cos²e sin²2Δ with e = φ − ν.
+fn ellipticity<T: Scalar>(phi: T, nu: T, twice_delta: T) -> T {
+    let (cos, sin) = (|x: T| x.apply(Function::Cos), |x: T| x.apply(Function::Sin));
+    let cosine_term = cos(nu) * cos(twice_delta);
+    let sine_term = sin(nu) * cos(phi - nu) * sin(twice_delta);
+    cos(phi) * cos(phi - (nu + nu)) * cosine_term * cosine_term - sine_term * sine_term
+}
+
+/// Conditions for well-posedness over a box: cos 2Δ, and for ν > 0 in a uniform background without rotational stress also
+/// the [`ellipticity`].
+///
+/// That a negative one of them suffices for ill-posedness, whatever the other: with D = a − b cos β + d sin β as in
+/// [`assess_with_dilatancy`], a has the sign of cos 2Δ. If cos 2Δ < 0, D is negative in some directions, and there
+/// Re ς ~ k², but for the two in which 𝒜 vanishes. If the ellipticity is negative, D changes its sign.
+pub fn box_conditions(
+    model: &HarrisGrekova,
+    flow: &DeformingFlow,
+    constants: &[TaylorModel],
+    noncoaxiality: TaylorModel,
+) -> Option<Vec<BoxCondition>> {
+    let &[phi, nu, ..] = constants else { return None };
+    let twice_delta = noncoaxiality + noncoaxiality;
+    let cosine = BoxCondition { formula: "cos 2Δ", enclosure: twice_delta.apply(Function::Cos) };
+    if nu.is_structural_zero() {
+        return Some(vec![cosine]);
+    }
+    let has_no_stress = model.rotational_strength == 0.0 && flow.stress.rotational_stress == 0.0;
+    let bound = BoxCondition {
+        formula: "cos²ν cos φ cos(φ − 2ν) cos² 2Δ − sin²ν cos²(φ − ν) sin² 2Δ",
+        enclosure: ellipticity(phi, nu, twice_delta),
+    };
+    (is_uniform(flow) && has_no_stress).then(|| vec![cosine, bound])
 }
 
 /// Whether the rate of the moment of inertia and all gradients except the velocity gradient are zero. Then DV/Dt = F by

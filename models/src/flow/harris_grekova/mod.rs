@@ -6,7 +6,8 @@ pub mod symbol;
 
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedFormVerdict;
+use crate::common::taylor_model::TaylorModel;
+use crate::flow::closed_form::{BoxCondition, ClosedFormVerdict};
 use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use crate::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use parameters::{HarrisGrekova, MOMENT_OF_INERTIA, ROTATIONAL_STRENGTH};
@@ -54,6 +55,15 @@ impl FlowLaw for HarrisGrekova {
 
     fn closed_form_verdict(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         closed_form::closed_form_verdict(self, flow)
+    }
+
+    fn box_conditions(
+        &self,
+        flow: &DeformingFlow,
+        constants: &[TaylorModel],
+        noncoaxiality: TaylorModel,
+    ) -> Option<Vec<BoxCondition>> {
+        closed_form::box_conditions(self, flow, constants, noncoaxiality)
     }
 
     fn noncoaxiality_bound(&self) -> Option<f64> {

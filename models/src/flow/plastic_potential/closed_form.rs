@@ -3,7 +3,11 @@
 use super::parameters::PlasticPotential;
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
-use crate::flow::closed_form::{ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle};
+use crate::common::scalar::{Function, Scalar};
+use crate::common::taylor_model::TaylorModel;
+use crate::flow::closed_form::{
+    BoxCondition, ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle,
+};
 use crate::flow::state::DeformingFlow;
 
 /// Smallest |φ − ν|, rad, at which the formula decides. The leading growth rate is of order (φ − ν)²; closer to the
@@ -34,4 +38,12 @@ pub fn closed_form_verdict(
         / (2.0 * Rounded::from_rounded(flow.density) * Rounded::from_rounded(flow.shear_rate));
     let beta = (phi.cr_cos() * nu.cr_cos()).sqrt().cr_atan2((0.5 * (phi + nu)).cr_sin());
     ClosedFormVerdict::from_growth(2, coefficient, flow, beta)
+}
+
+/// Conditions for well-posedness over a box: −|φ − ν|, negative but for associated flow. With cos β between sin ν and sin φ
+/// the growth coefficient is positive.
+pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<BoxCondition>> {
+    let &[phi, nu, ..] = constants else { return None };
+    let enclosure = -(phi - nu).apply(Function::Abs);
+    Some(vec![BoxCondition { formula: "−|φ − ν|", enclosure }])
 }
