@@ -13,6 +13,7 @@
 //! - [`form`], [`newton_polygon`]: zeros of binary forms in the direction, Newton polygons and orders of growth;
 //! - [`growth`]: verdict by the Newton polygon, with Puiseux series in the layers around degenerate directions;
 //! - [`mod@line`], [`space`]: the verdict in one and in three dimensions;
+//! - [`certified`]: verdicts proved for all states of a box of two parameters;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
 //! - [`acoustic_tensor2`], [`acoustic_tensor3`]: acoustic tensor of a yielding solid over all directions in the plane
 //!   and in space: flutter and shear bands;
@@ -33,6 +34,7 @@ pub mod acoustic_tensor3;
 pub mod bloch;
 pub mod bound;
 mod brute_force;
+pub mod certified;
 pub mod characteristics;
 mod corner_factors;
 mod dense;

@@ -14,6 +14,8 @@ mod bloch;
 mod bound;
 #[path = "brute_force.rs"]
 mod brute_force;
+#[path = "certified.rs"]
+mod certified;
 #[path = "characteristics.rs"]
 mod characteristics;
 #[path = "dilatant/main.rs"]

@@ -62,6 +62,18 @@ impl TaylorModel {
         [(self.value - radius).next_down(), (self.value + radius).next_up()]
     }
 
+    /// The sign in the whole box: ±1, or 0 for an exact zero; `None` if undecided.
+    pub fn certain_sign(self) -> Option<i8> {
+        // False if a number is not a number.
+        if self.value.abs() > self.radius() {
+            Some(if self.value > 0.0 { 1 } else { -1 })
+        } else if self.is_structural_zero() {
+            Some(0)
+        } else {
+            None
+        }
+    }
+
     /// No knowledge about the function.
     fn unbounded(value: f64) -> Self {
         Self { value, slopes: [0.0; 2], remainder: f64::INFINITY }
@@ -191,7 +203,7 @@ impl TaylorModel {
 
     /// |f|: ±f where the sign is certain, else only bounds.
     fn abs(self) -> Self {
-        match self.sign() {
+        match self.certain_sign() {
             Some(0) => Self::ZERO,
             Some(1) => self,
             Some(_) => -self,
@@ -294,15 +306,8 @@ impl Scalar for TaylorModel {
         self.value.is_finite() && self.radius().is_finite()
     }
 
-    /// The sign in the whole box.
     fn sign(self) -> Option<i8> {
-        if self.value.abs() > self.radius() {
-            Some(if self.value > 0.0 { 1 } else { -1 })
-        } else if self.is_structural_zero() {
-            Some(0)
-        } else {
-            None
-        }
+        self.certain_sign()
     }
 
     fn apply(self, function: Function) -> Self {
@@ -327,7 +332,7 @@ impl Scalar for TaylorModel {
             }
             Function::Tanh => self.tanh(),
             Function::Abs => self.abs(),
-            Function::Sign => match self.sign() {
+            Function::Sign => match self.certain_sign() {
                 Some(sign) => Self::from_exact(f64::from(sign)),
                 None => Self { remainder: 1.0, ..Self::ZERO },
             },

@@ -1,0 +1,52 @@
+//! Verdicts that are proved for all states of a box of two parameters at once.
+//!
+//! A verdict at a point says nothing about its neighbours. Here every quantity is enclosed over a box by
+//! [`TaylorModel`](models::common::taylor_model::TaylorModel)s, rounding errors included, so that a certain sign holds for
+//! all states of the box, all directions and all wave numbers. What has no certain sign stays undecided.
+
+mod direction_form;
+mod drucker_prager;
+mod slipping_layers;
+
+pub use direction_form::DirectionForm;
+pub use drucker_prager::YieldCone;
+pub use slipping_layers::SlippingLayers;
+
+use models::flow::closed_form::BoxCondition;
+
+/// What is proved of all states of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoxVerdict {
+    /// All states are well-posed.
+    WellPosed = 0,
+    /// All states are ill-posed.
+    IllPosed = 1,
+    /// Neither is proved.
+    NotDecided = 2,
+}
+
+impl BoxVerdict {
+    /// All verdicts, in the order of their discriminants.
+    pub const ALL: [Self; 3] = [Self::WellPosed, Self::IllPosed, Self::NotDecided];
+
+    /// Name in output.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::WellPosed => "proved well-posed",
+            Self::IllPosed => "proved ill-posed",
+            Self::NotDecided => "not decided",
+        }
+    }
+
+    /// Verdict from the conditions of a model: all positive, or one negative, in the whole box.
+    pub fn from_conditions(conditions: &[BoxCondition]) -> Self {
+        let signs = || conditions.iter().map(|own| own.enclosure.certain_sign());
+        if signs().any(|sign| sign == Some(-1)) {
+            Self::IllPosed
+        } else if signs().all(|sign| sign == Some(1)) {
+            Self::WellPosed
+        } else {
+            Self::NotDecided
+        }
+    }
+}
