@@ -48,10 +48,9 @@ const INTERCONNECTS: [Interconnect; 3] = [
 const LARGEST_POWER: u32 = 17;
 
 /// Times to copy a value of a halo into a message or from it, s, along the first axis and along the second of three: from
-/// the rates with one cut of 100³ cells in BENCHMARKS.md ("Decomposition along other axes"), 38.4 and 52.5 against 68.0
-/// million cell-updates/s. With them the model gives 0.45 for cuts along all axes there, and 0.83 for one along the
-/// first axis of 1000² cells, where 0.46 and 0.78 are measured.
-const COPY_TIMES: [f64; 2] = [14.4e-9, 4.5e-9];
+/// the rates with one cut of 100³ cells in BENCHMARKS.md ("Decomposition along other axes"), 44.8 and 61.4 against 67.2
+/// million cell-updates/s.
+const COPY_TIMES: [f64; 2] = [9.4e-9, 1.5e-9];
 
 /// Runs whose efficiency is drawn.
 struct Scenario {

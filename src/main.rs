@@ -59,6 +59,9 @@ enum Verb {
         /// Assess every point from the linearised equations, without closed forms of a model
         #[arg(long = "model-blind")]
         is_model_blind: bool,
+        /// Prove the verdict for all states of the cells between points, with refinement where that fails
+        #[arg(long = "certified")]
+        is_certified: bool,
         #[command(flatten)]
         arguments: CaseArguments,
     },
@@ -443,8 +446,15 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         _ => ranks::require_single_process()?,
     }
     match verb {
-        Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {
-            let map_options = MapOptions { computes_bound, computes_growth_rate, is_model_blind };
+        Verb::Map {
+            arguments,
+            computes_bound,
+            computes_growth_rate,
+            is_model_blind,
+            is_certified,
+        } => {
+            let map_options =
+                MapOptions { computes_bound, computes_growth_rate, is_model_blind, is_certified };
             let options = arguments.into();
             execute_on_ranks(
                 &mut stdout,

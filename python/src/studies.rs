@@ -28,13 +28,14 @@ pub fn point(
 
 /// Computes the verdict over two parameters.
 #[pyfunction]
-#[pyo3(signature = (case, bound, growth_rate, model_blind, progress, threads))]
+#[pyo3(signature = (case, bound, growth_rate, model_blind, certified, progress, threads))]
 pub fn map(
     py: Python<'_>,
     case: &RawCase,
     bound: bool,
     growth_rate: bool,
     model_blind: bool,
+    certified: bool,
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
@@ -42,6 +43,7 @@ pub fn map(
         computes_bound: bound,
         computes_growth_rate: growth_rate,
         is_model_blind: model_blind,
+        is_certified: certified,
     };
     case.compute(py, progress, threads, |case, progress| {
         study::compute_map(case, options, progress)

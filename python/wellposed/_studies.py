@@ -89,6 +89,7 @@ def map(
     bound: bool = False,
     growth_rate: bool = False,
     model_blind: bool = False,
+    certified: bool = False,
     threads: Optional[int] = None,
     progress: Progress = True,
 ) -> MapResult:
@@ -106,6 +107,8 @@ def map(
         Whether to compute the growth rate at the wave of the case.
     model_blind : bool
         Whether to derive every verdict from the linearised equations, none by closed form.
+    certified : bool
+        Whether to prove the verdict for all states of the cells between points.
     threads : int, optional
         Number of threads; by default one per core. Results do not depend on it.
     progress : bool or callable
@@ -132,7 +135,7 @@ def map(
     """
     own = read_case(case, set)
     with open_progress(progress, "map") as report:
-        raw = _wellposed.map(own._raw, bound, growth_rate, model_blind, report, threads)
+        raw = _wellposed.map(own._raw, bound, growth_rate, model_blind, certified, report, threads)
     return _finish(MapResult, raw, own)
 
 

@@ -44,6 +44,7 @@ def map(
     bound: bool,
     growth_rate: bool,
     model_blind: bool,
+    certified: bool,
     progress: Progress,
     threads: int | None,
 ) -> RawResult: ...

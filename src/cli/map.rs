@@ -65,7 +65,11 @@ pub(super) fn prepare_map(
     let plan = format!("assess {}: {} × {}", format_count(states, "state"), map.x, map.y);
     let memory_bytes = Some(memory.0);
     let estimate = CostEstimate { memory_bytes, ..CostEstimate::from_seconds(seconds) };
-    let paths = list_planned_paths(&folder, &folder::MAP_FILES, &options.pictures);
+    let files: Vec<&str> = match map_options.is_certified {
+        true => folder::MAP_FILES.iter().chain(&folder::CERTIFIED_MAP_FILES).copied().collect(),
+        false => folder::MAP_FILES.to_vec(),
+    };
+    let paths = list_planned_paths(&folder, &files, &options.pictures);
     print_plan(&plan, &paths, estimate, options.format, stdout)?;
     Ok(None)
 }

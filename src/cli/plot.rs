@@ -261,6 +261,7 @@ impl Redrawing<'_> {
             computes_bound: has_column("bound"),
             computes_growth_rate: has_column("growth_rate"),
             is_model_blind: map["route"][Route::ClosedForm.name()] == 0,
+            is_certified: map.get("certified").is_some(),
         })
     }
 }

@@ -6,7 +6,7 @@
 //! are rounded to nearest; bounds on the rounding errors are added to the remainder.
 
 use super::elementary::Elementary;
-use super::rounding::UNIT_ROUNDOFF;
+use super::rounding::{Rounded, UNIT_ROUNDOFF};
 use super::scalar::{Function, Scalar};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -215,6 +215,13 @@ impl TaylorModel {
                 }
             }
         }
+    }
+}
+
+/// A constant function.
+impl From<Rounded> for TaylorModel {
+    fn from(own: Rounded) -> Self {
+        Self { value: own.value, slopes: [0.0; 2], remainder: own.bound }
     }
 }
 

@@ -18,12 +18,12 @@ mod verify;
 pub use checksums::Damage;
 pub use error::OutputError;
 pub use names::{
-    AppendedFile, BLOCH_FILES, CASE_FILE, CHECK_FILES, COMPARISON_FILES, DIAGRAM_FILES,
-    DISPERSION_FILES, FIELDS_ARCHIVE_FILE, JOINT_ARCHIVE_FILE, JOINT_SNAPSHOT_LIST_FILE, MAP_FILES,
-    POINT_FILES, PartFile, REPORT_PAGE_FILE, RUN_FILES, SHOCKS_FILES, SNAPSHOT_LIST_FILE,
-    SPEEDS_FILES, SPLIT_FILES, TIME_FILES, ZARR_STORE_FILE, has_joint_files, is_part_name,
-    is_snapshot_name, joint_snapshot_file_name, result_file_names, snapshot_file_name,
-    snapshot_file_names, snapshot_index_name,
+    AppendedFile, BLOCH_FILES, CASE_FILE, CERTIFIED_MAP_FILES, CHECK_FILES, COMPARISON_FILES,
+    DIAGRAM_FILES, DISPERSION_FILES, FIELDS_ARCHIVE_FILE, JOINT_ARCHIVE_FILE,
+    JOINT_SNAPSHOT_LIST_FILE, MAP_FILES, POINT_FILES, PartFile, REPORT_PAGE_FILE, RUN_FILES,
+    SHOCKS_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, SPLIT_FILES, TIME_FILES, ZARR_STORE_FILE,
+    has_joint_files, is_part_name, is_snapshot_name, joint_snapshot_file_name, result_file_names,
+    snapshot_file_name, snapshot_file_names, snapshot_index_name,
 };
 
 pub use publication::Publication;

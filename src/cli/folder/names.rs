@@ -22,6 +22,9 @@ pub(super) const PROBE_FILE_STEM: &str = "probe";
 pub const MAP_FILES: [&str; 6] =
     ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
 
+/// Names of further files of `map --certified`.
+pub const CERTIFIED_MAP_FILES: [&str; 2] = ["certified.png", "certified.svg"];
+
 /// Names of the files of `point`, in addition to the common files: the first two always, the others depending on the
 /// medium and its state.
 pub const POINT_FILES: [&str; 11] = [
@@ -306,6 +309,7 @@ pub(super) fn is_checkpoint_part_name(name: &str) -> bool {
 pub fn result_file_names() -> impl Iterator<Item = &'static str> {
     let own = MAP_FILES
         .into_iter()
+        .chain(CERTIFIED_MAP_FILES)
         .chain(POINT_FILES)
         .chain(DISPERSION_FILES)
         .chain([BLOCH_ARCHIVE_FILE])

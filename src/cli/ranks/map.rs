@@ -50,14 +50,15 @@ fn compute_map(
     let ready = create_thread_pool(Some(threads))
         .and_then(|pool| Ok(study::check_map_memory(case, options).map(|()| pool)?));
     let pool = require_all_ranks(communicator, ready)?;
-    let MapOptions { computes_bound, computes_growth_rate, is_model_blind } = options;
-    let flags = [computes_bound, computes_growth_rate, is_model_blind].map(u8::from);
+    let MapOptions { computes_bound, computes_growth_rate, is_model_blind, is_certified } = options;
+    let flags = [computes_bound, computes_growth_rate, is_model_blind, is_certified].map(u8::from);
     let flags = communicator.broadcast(flags.to_vec());
     let flag = |index: usize| flags.get(index) == Some(&1);
     let options = MapOptions {
         computes_bound: flag(0),
         computes_growth_rate: flag(1),
         is_model_blind: flag(2),
+        is_certified: flag(3),
     };
     let found = match communicator.is_root() {
         true => run_with_progress(&pool, "assessing states", |on_progress| {

@@ -21,15 +21,20 @@ fn classify_growth(point: &MapPoint) -> GrowthClass {
     (point.growth_order, point.speeds.map(|speeds| speeds.hyperbolicity))
 }
 
-pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
-    let axis = |axis: &MapAxis| VerdictMapAxis {
+/// Returns the axis of a picture with points at these values.
+pub(super) fn create_axis(case: &Case, axis: &MapAxis, values: Vec<f64>) -> VerdictMapAxis {
+    VerdictMapAxis {
         label: match (case.equations.is_some(), axis.unit) {
             (true, unit) => format_axis_label(&typeset_symbol(&axis.label), &typeset_unit(unit)),
             (false, unit) => format_axis_label(&axis.label, unit),
         },
-        values: axis.values.clone(),
+        values,
         is_log: axis.spacing.is_some(),
-    };
+    }
+}
+
+pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
+    let axis = |own: &MapAxis| create_axis(case, own, own.values.clone());
     let points = &found.points;
     // One category per order of growth, and for solids per type of speeds, by descending order.
     let mut kinds: Vec<GrowthClass> = Vec::new();

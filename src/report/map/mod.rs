@@ -1,5 +1,6 @@
 //! Report on the verdict over two parameters of a case.
 
+mod certified;
 mod explorer;
 mod figure;
 mod tables;
@@ -31,6 +32,7 @@ impl Report for MapResult {
             (options.computes_bound, " --bound"),
             (options.computes_growth_rate, " --growth-rate"),
             (is_model_blind, " --model-blind"),
+            (options.is_certified, " --certified"),
         ]
         .into_iter()
         .filter(|own| own.0)
@@ -65,13 +67,19 @@ impl Report for MapResult {
                 lines.push(format!("Route of {}: {route}", format_count(count, "verdict")));
             }
         }
+        lines.extend(self.certified.iter().flat_map(certified::summary_lines));
         lines.push(VALIDITY_NOTE.into());
         lines.join("\n") + "\n"
     }
 
     fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
         let figure = figure::create_figure(case, self);
-        Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
+        let mut pictures = vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))];
+        if let Some(own) = &self.certified {
+            let figure = certified::create_figure(case, self, own);
+            pictures.push(ReportPicture::new("certified", move |format| figure.draw(format)));
+        }
+        Ok(pictures)
     }
 
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {

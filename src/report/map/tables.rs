@@ -2,7 +2,7 @@
 
 use crate::report::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 use crate::study::MapResult;
-use crate::study::map::{MapCode, MapNumber, PointStatus};
+use crate::study::map::{CELL_PARTS, CellVerdict, MapCode, MapNumber, PointStatus};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 use files::csv::CsvCell;
@@ -94,6 +94,14 @@ pub(super) fn create_arrays(found: &MapResult) -> DataFile<'_> {
     arrays.extend(list_numeric_columns(found).into_iter().map(|(name, which)| {
         DataArray::numbers(name, &shape, unit(name), found.points.numbers(which))
     }));
+    if let Some(own) = &found.certified {
+        let [columns, rows] = own.cells.map(|count| count * CELL_PARTS);
+        let names = CellVerdict::ALL.map(CellVerdict::name);
+        arrays.push(DataArray::texts("certified_names", "certified_name", &names));
+        let codes: Vec<i8> = own.parts.iter().map(|&code| code as i8).collect();
+        let shape = [("certified_y", rows), ("certified_x", columns)];
+        arrays.push(DataArray::new("certified", &shape, "", ArrayData::I8(codes.into())));
+    }
     DataFile::Arrays(arrays)
 }
 

@@ -63,6 +63,7 @@ impl MapBoundaries {
             is_model_blind: !options.admits_closed_forms(),
             computes_bound: false,
             computes_growth_rate: false,
+            is_certified: false,
         };
         let done = AtomicUsize::new(0);
         let chunk_length = POINTS_PER_PROGRESS_REPORT / BISECTION_COUNT;

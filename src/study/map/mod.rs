@@ -1,6 +1,7 @@
 //! Map: the verdict over two parameters of a case.
 
 mod boundaries;
+mod certified;
 mod distribution;
 mod point_assessor;
 mod points;
@@ -8,6 +9,7 @@ pub mod samples;
 pub mod summary;
 
 pub use boundaries::{MapBoundaries, STEP_PARTS};
+pub use certified::{CELL_PARTS, CellVerdict, CertifiedMap};
 pub use point_assessor::{MapPoint, PointSpeeds, PointStatus};
 pub use points::{MapCode, MapNumber, MapPoints};
 pub use samples::{MapSamples, WaveSample, sample_map};
@@ -19,6 +21,7 @@ use super::{ProgressCallback, report_progress};
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep};
 use crate::{Error, setup};
 use analysis::solids::AcousticTensorCache;
+use certified::certify_map;
 use distribution::Distribution;
 use dynamics::decomposition::communicator::{Communicator, SingleProcess};
 use models::InputError;
@@ -59,6 +62,9 @@ pub struct MapOptions {
     /// Whether to derive every verdict from the linearised equations, none by closed form.
     #[serde(rename = "model_blind")]
     pub is_model_blind: bool,
+    /// Whether to prove verdicts for all states of the cells between points.
+    #[serde(rename = "certified")]
+    pub is_certified: bool,
 }
 
 impl MapOptions {
@@ -78,7 +84,8 @@ impl MapOptions {
 /// hence the result does not depend on the number of threads.
 ///
 /// # Errors
-/// The case has no map or is invalid at all of its points, or memory is insufficient; [`Error::Cancelled`].
+/// The case has no map or is invalid at all of its points, memory is insufficient, or nothing can be proved over cells where
+/// that is asked for; [`Error::Cancelled`].
 ///
 /// # Examples
 /// Harris–Grekova without rotational strength is well-posed up to a non-coaxiality of 45°:
@@ -139,6 +146,10 @@ pub fn compute_map_on_ranks(
     case.check_without_contacts()?;
     let map = case.require_map()?;
     let options = options.with_swept_wave(map);
+    let certified = match options.is_certified {
+        true => Some(certify_map(case, &|_, _| progress(0, 1))?),
+        false => None,
+    };
     // The number of changes of the verdict is unknown before all points are assessed. One boundary across the map
     // changes the verdict on at most as many steps as the map has rows and columns.
     let (nx, ny) = (map.x.point_count, map.y.point_count);
@@ -150,7 +161,7 @@ pub fn compute_map_on_ranks(
     };
     let boundaries = MapBoundaries::locate(case, map, options, &points, (communicator, &located))?;
     report_progress(progress, all, all)?;
-    Ok(MapResult::new(case, map, options, points, boundaries))
+    Ok(MapResult::new(case, map, options, points, boundaries, certified))
 }
 
 /// Estimates the peak memory of the map of a case and of its output, bytes: that of the program with a block of points and
@@ -170,7 +181,8 @@ pub fn estimate_map_memory(case: &Case, options: MapOptions) -> Result<Bytes, Er
         ModelKind::Solid(_) => 8,
     } + usize::from(computes_bound)
         + usize::from(computes_growth_rate);
-    let of_point = size_of::<f64>() * number_count + MARKS_PER_POINT;
+    let parts = if options.is_certified { CELL_PARTS * CELL_PARTS } else { 0 };
+    let of_point = size_of::<f64>() * number_count + MARKS_PER_POINT + parts;
     let [columns, rows] = MAX_PICTURE_POINTS;
     let drawn = map.x.point_count.min(columns) * map.y.point_count.min(rows);
     let picture = PROGRAM_MEMORY_BYTES + (PICTURE_BYTES_PER_POINT * drawn) as f64;

@@ -1,6 +1,8 @@
 //! Result of a map and its summary: counts, intervals, fastest growth.
 
-use super::{MapBoundaries, MapNumber, MapOptions, MapPoints, MapSamples, PointStatus};
+use super::{
+    CertifiedMap, MapBoundaries, MapNumber, MapOptions, MapPoints, MapSamples, PointStatus,
+};
 use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, SweepSpacing};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
@@ -40,6 +42,9 @@ pub struct MapResult {
     /// Results at all points of the map, with x varying fastest.
     #[serde(skip)]
     pub points: MapPoints,
+    /// Verdicts proved over cells, only with [`MapOptions::is_certified`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certified: Option<CertifiedMap>,
     /// Places where the verdict changes between neighbouring points.
     #[serde(skip)]
     pub boundaries: MapBoundaries,
@@ -51,9 +56,9 @@ pub struct MapResult {
     pub samples: Option<MapSamples>,
 }
 
-/// Serialises pairs of names and counts as an object.
-fn serialize_as_object<S: Serializer>(
-    pairs: &[(&'static str, usize)],
+/// Serialises pairs of names and numbers as an object.
+pub(super) fn serialize_as_object<S: Serializer, N: Copy + Serialize>(
+    pairs: &[(&'static str, N)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().copied())
@@ -151,6 +156,7 @@ impl MapResult {
         options: MapOptions,
         points: MapPoints,
         boundaries: MapBoundaries,
+        certified: Option<CertifiedMap>,
     ) -> Self {
         let mut counts = PointStatus::ALL.map(|status| (status, 0));
         let mut route_counts = Route::ALL.map(|route| (route.name(), 0));
@@ -188,6 +194,7 @@ impl MapResult {
                 hyperbolicity_counts,
             }),
             points,
+            certified,
             boundaries,
             options,
             samples: None,
