@@ -225,6 +225,8 @@ impl Proof {
                         Ok(Self::Layers { is_positive: index % 2 == 0 })
                     }
                     None if (is_set(&DRUCKER_PRAGER) || is_set(&VON_MISES))
+                        && material.numbers.stress.rotational_stress == 0.0
+                        && material.numbers.stress.couple_stress == [0.0; 2]
                         && solid.theory == Theory::Classical
                         && is_isotropic
                         && dimensions == 3 =>
@@ -284,7 +286,9 @@ impl Proof {
 
     fn method(self) -> &'static str {
         match self {
-            Self::Flow(_) => "signs of the closed-form conditions, enclosed by Taylor models",
+            Self::Flow(_) => {
+                "signs of the closed-form conditions, enclosed by Taylor models; for ν > 0 those of the leading symbol"
+            }
             Self::Layers { .. } => {
                 "sum, product and discriminant of both squared speeds as forms in the wave normal, positive or negative by \
                  Bernstein coefficients; Taylor models in the parameters; leading symbol"

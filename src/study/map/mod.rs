@@ -146,18 +146,22 @@ pub fn compute_map_on_ranks(
     case.check_without_contacts()?;
     let map = case.require_map()?;
     let options = options.with_swept_wave(map);
-    let certified = match options.is_certified {
-        true => Some(certify_map(case, &|_, _| progress(0, 1))?),
-        false => None,
-    };
     // The number of changes of the verdict is unknown before all points are assessed. One boundary across the map
     // changes the verdict on at most as many steps as the map has rows and columns.
     let (nx, ny) = (map.x.point_count, map.y.point_count);
     let boundary_share = boundaries::BISECTION_COUNT * (nx + ny);
-    let all = nx * ny + boundary_share;
-    let points = assess_points(case, map, options, communicator, &|done, _| progress(done, all))?;
+    let certified_share = if options.is_certified { nx * ny } else { 0 };
+    let all = certified_share + nx * ny + boundary_share;
+    let certified = match options.is_certified {
+        true => {
+            Some(certify_map(case, &|done, count| progress(certified_share * done / count, all))?)
+        }
+        false => None,
+    };
+    let assessed = |done, _| progress(certified_share + done, all);
+    let points = assess_points(case, map, options, communicator, &assessed)?;
     let located = |done: usize, changes: usize| {
-        progress(nx * ny + boundary_share * done / changes.max(1), all)
+        progress(certified_share + nx * ny + boundary_share * done / changes.max(1), all)
     };
     let boundaries = MapBoundaries::locate(case, map, options, &points, (communicator, &located))?;
     report_progress(progress, all, all)?;
