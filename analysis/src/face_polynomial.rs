@@ -346,6 +346,38 @@ impl FacePolynomial {
         sums
     }
 
+    /// Bounds on the errors of two results of [`Self::taylor_coefficients`] at a real angle and a root of this modulus:
+    /// the coefficient of x^(`count` − 1) in E(c + x), and the derivative of that of x^(`count` − 2) by the angle.
+    pub(crate) fn taylor_errors(&self, angle: f64, modulus: f64, count: usize) -> [f64; 2] {
+        let (sin, cos) = angle.cr_sin_cos();
+        let (sin, cos) = (sin.abs(), cos.abs());
+        // Rounding of a term: products of as many factors as the degrees, with powers by repeated squaring.
+        let rounding = 2.0 * (self.degree() + self.max_form_degree()) as f64 * f64::EPSILON;
+        let mut errors = [0.0; 2];
+        for (i, form) in self.coefficients.iter().enumerate() {
+            let degree = form.len().saturating_sub(1);
+            let mut parts = [0.0; 2];
+            for (l, f) in form.iter().enumerate() {
+                let (p, q) = ((degree - l) as i32, l as i32);
+                let error = f.bound + rounding * f.modulus();
+                parts[0] += error * cos.powi(p) * sin.powi(q);
+                if q > 0 {
+                    parts[1] += error * f64::from(q) * cos.powi(p + 1) * sin.powi(q - 1);
+                }
+                if p > 0 {
+                    parts[1] += error * f64::from(p) * cos.powi(p - 1) * sin.powi(q + 1);
+                }
+            }
+            for (part, (sum, n)) in parts.iter().zip(errors.iter_mut().zip([count - 1, count - 2]))
+            {
+                if n <= i {
+                    *sum += part * binomial(i, n) * modulus.powi((i - n) as i32);
+                }
+            }
+        }
+        errors
+    }
+
     /// Angles in [0, π) in which some root may have Re c = `level`.
     fn level_crossings(&self, level: f64, nodes: usize) -> StackList<f64> {
         trigonometric_zeros(2 * nodes - 1, |angle| {

@@ -491,7 +491,8 @@ fn search_collisions(
 ) {
     let face = edge.face_polynomial();
     for &angle in face.collision_angles() {
-        for RootCollision { angle, root, is_accurate } in find_collisions(face, angle) {
+        for collision in find_collisions(face, angle) {
+            let RootCollision { angle, angle_bound, root, is_accurate } = collision;
             // Degenerate directions are searched by `search_layer`.
             if !root.is_neutral() || zeros.iter().any(|z| angular_distance(z.angle, angle) < 1e-9) {
                 continue;
@@ -501,7 +502,7 @@ fn search_collisions(
                 continue;
             }
             // The angle is not reduced to [0, π): the roots c at α + π differ from those at α.
-            let zero = FormZero { angle, bound: 4e-15, has_sign_change: true };
+            let zero = FormZero { angle, bound: angle_bound, has_sign_change: true };
             search_collision(terms, &zero, edge.order, &root, accumulator);
         }
     }

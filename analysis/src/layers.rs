@@ -326,8 +326,8 @@ fn search_facet(
     }
     let deeper = ChartLocation { remaining_depth: location.remaining_depth - 1, ..location };
     for angle in special.iter().copied().filter(is_off_axes) {
-        let moved =
-            chart.shift_offset(facet.offset_order, angle.cr_tan(), offset_error_bound(angle));
+        let bound = offset_error_bound(angle, LEAST_ANGLE_BOUND);
+        let moved = chart.shift_offset(facet.offset_order, angle.cr_tan(), bound);
         search_chart(&Chart { order_bound: None, ..moved }, deeper, accumulator);
     }
     if !accumulator.can_improve_below(facet.order) {
@@ -364,7 +364,8 @@ fn continue_facet_roots(
         }
     }
     for &angle in face.collision_angles().iter().filter(|angle| is_off_axes(angle)) {
-        for RootCollision { angle, root, is_accurate } in find_collisions(face, angle) {
+        for collision in find_collisions(face, angle) {
+            let RootCollision { angle, angle_bound, root, is_accurate } = collision;
             if !is_off_axes(&angle)
                 || !root.is_neutral()
                 || root.bound > UNDECIDED_RELATIVE_BOUND * root.value.modulus()
@@ -375,8 +376,8 @@ fn continue_facet_roots(
                 accumulator.record_undecided_contact(facet.order, deeper.angle);
                 continue;
             }
-            let moved =
-                chart.shift_offset(facet.offset_order, angle.cr_tan(), offset_error_bound(angle));
+            let bound = offset_error_bound(angle, angle_bound.max(LEAST_ANGLE_BOUND));
+            let moved = chart.shift_offset(facet.offset_order, angle.cr_tan(), bound);
             let order = (facet.order.numerator, facet.order.denominator);
             search_chart(&moved.shift_root(order, facet.offset_order, &root), deeper, accumulator);
         }
@@ -440,9 +441,12 @@ impl TriangularFacet {
     }
 }
 
-/// Error bound of an offset tan `angle`, for an angle accurate to 1e-14 rad.
-fn offset_error_bound(angle: f64) -> f64 {
-    1e-14 * (1.0 + angle.cr_tan().powi(2))
+/// Least error bound of the angle of an offset, rad.
+const LEAST_ANGLE_BOUND: f64 = 1e-14;
+
+/// Error bound of an offset tan `angle`, for an angle accurate to `angle_bound` (rad).
+fn offset_error_bound(angle: f64, angle_bound: f64) -> f64 {
+    angle_bound * (1.0 + angle.cr_tan().powi(2))
 }
 
 /// Terms of a chart at the offset y = d k^τ, and the common denominator of their powers of k.
