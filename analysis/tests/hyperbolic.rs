@@ -49,12 +49,11 @@ fn random_symmetric_system(random: &mut RandomNumbers, kind: usize) -> Linearise
     system_from_matrices(n, [(X, &first), (Y, &second), (C, &constant)])
 }
 
-/// Verifies 4000 random systems of each of the four kinds, all well-posed: fewer than 5 % are marginal, and at most two of
-/// all are called ill-posed, with a growth of at most 1e-5 √k: rounding of close roots beyond its bound.
+/// Verifies 4000 random systems of each of the four kinds, all well-posed: none is called ill-posed, and fewer than 5 % are
+/// marginal.
 #[test]
-fn symmetric_hyperbolic_systems_are_hardly_ever_ill_posed() {
+fn symmetric_hyperbolic_systems_are_never_ill_posed() {
     const COUNT: u64 = 4000;
-    let mut wrong = Vec::new();
     for kind in 0..4 {
         let verdicts: Vec<(u64, Verdict)> = (0..COUNT)
             .into_par_iter()
@@ -66,16 +65,7 @@ fn symmetric_hyperbolic_systems_are_hardly_ever_ill_posed() {
         println!("kind {kind}: {marginal} of {COUNT} marginal");
         assert!(20 * marginal < COUNT, "kind {kind}: {marginal} marginal");
         let is_right = |own: &Verdict| matches!(own, Verdict::WellPosed | Verdict::Marginal { .. });
-        wrong.extend(verdicts.into_iter().filter(|(_, own)| !is_right(own)));
-    }
-    println!("{wrong:?}");
-    assert!(wrong.len() <= 2, "{wrong:?}");
-    for (seed, verdict) in &wrong {
-        let growth = match verdict {
-            Verdict::IllPosed { growth: Some(growth), .. } => growth,
-            _ => panic!("{seed}: {verdict:?}"),
-        };
-        let order = growth.order.numerator as f64 / growth.order.denominator as f64;
-        assert!(growth.coefficient < 1e-5 && order <= 0.5, "{seed}: {verdict:?}");
+        let wrong: Vec<_> = verdicts.iter().filter(|(_, own)| !is_right(own)).collect();
+        assert!(wrong.is_empty(), "kind {kind}: {wrong:?}");
     }
 }
