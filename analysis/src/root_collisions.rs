@@ -285,7 +285,12 @@ mod tests {
             total += crossings.len();
             let mut known: Vec<f64> = Vec::new();
             for &angle in face.collision_angles() {
-                for found in find_collisions(&face, angle).iter().filter(|c| c.is_accurate) {
+                // Within the small triangle of three almost concurrent planes lies another zero of both equations, where E
+                // is below rounding: only the bound of the root is large there.
+                let is_meant = |c: &&RootCollision| {
+                    c.is_accurate && c.root.bound <= 1e-7 * c.root.value.modulus()
+                };
+                for found in find_collisions(&face, angle).iter().filter(is_meant) {
                     let error =
                         crossings.iter().map(|own| distance(found.angle, *own)).fold(PI, f64::min);
                     assert!(error <= found.angle_bound, "round {round}: {error:e} in {found:?}");
