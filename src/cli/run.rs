@@ -8,6 +8,7 @@
 mod animation;
 mod checkpoint;
 mod checkpoint_timer;
+mod free_memory;
 mod page;
 mod planned_files;
 mod recorder;
@@ -38,6 +39,7 @@ use crate::study::simulate::OutputFields;
 use crate::study::simulate::{SimulationJob, create_job};
 use dynamics::decomposition::communicator::Communicator;
 use files::lock::Lock;
+use free_memory::release_free_memory;
 use std::io::{self, Write};
 use std::num::NonZero;
 use std::sync::Arc;
@@ -195,6 +197,8 @@ pub(super) fn execute_run(
             (result, Some(waiting))
         }
     };
+    // The solver has been dropped: the announced memory is that of the solver or of pictures, not of both.
+    release_free_memory();
     for warning in result.warnings() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
