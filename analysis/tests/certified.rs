@@ -168,6 +168,27 @@ fn shear_bands_are_decided_as_by_the_search_over_the_sphere() {
     compare(32, (100, true), ranges, prove, create);
 }
 
+/// Under strong friction, κ > √3, stresses near uniaxial compression never reach the cone: with σ₃₃ = −1 and |q| ≤ 0.06 those of
+/// the largest |q| do, but not q = 0.
+#[test]
+fn stresses_that_never_yield_are_not_decided() {
+    let verdict = |q: [f64; 2]| {
+        let exact = TaylorModel::from_exact;
+        let q = TaylorModel::parameter(0, q[0], q[1]);
+        YieldCone {
+            lambda: exact(1.0),
+            mu: exact(1.0),
+            friction: exact(1.74),
+            dilatancy: exact(1.7),
+            hardening: exact(0.2),
+            principal_stresses: [q, -q, exact(-1.0)],
+        }
+        .verdict()
+    };
+    assert_eq!(verdict([-0.06, 0.06]), BoxVerdict::NotDecided);
+    assert_eq!(verdict([0.3, 0.31]), BoxVerdict::WellPosed);
+}
+
 /// A form whose least value over all directions is known: (n₁ − a n₂)² (n₁² + n₂²) + c (n₁² + n₂²)², with the least value c
 /// in the direction (a, 1), found positive or negative however small c is against the box.
 #[test]

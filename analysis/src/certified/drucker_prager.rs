@@ -43,6 +43,10 @@ impl YieldCone {
         let deviator = principal_stresses.map(|own| own - mean);
         let squares = deviator.map(|own| own * own);
         let shear = (exact(0.5) * (squares[0] + squares[1] + squares[2])).apply(Function::Sqrt);
+        // Stresses in this direction reach the cone.
+        if (shear + friction * mean).certain_sign() != Some(1) {
+            return None;
+        }
         let bulk = lambda + exact(2.0) * mu / exact(3.0);
         let stiffness = hardening + mu + bulk * friction * dilatancy;
         if stiffness.certain_sign() != Some(1) || (lambda + mu).certain_sign() != Some(1) {

@@ -2,7 +2,8 @@
 //!
 //! A verdict at a point says nothing about its neighbours. Here every quantity is enclosed over a box by
 //! [`TaylorModel`](models::common::taylor_model::TaylorModel)s, rounding errors included, so that a certain sign holds for
-//! all states of the box, all directions and all wave numbers. What has no certain sign stays undecided.
+//! all states of the box and all directions. What has no certain sign stays undecided. For slipping layers with spin and for
+//! dilatant flows it is the leading symbol that is enclosed.
 
 mod direction_form;
 mod drucker_prager;
@@ -18,26 +19,14 @@ use models::flow::closed_form::BoxCondition;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoxVerdict {
     /// All states are well-posed.
-    WellPosed = 0,
+    WellPosed,
     /// All states are ill-posed.
-    IllPosed = 1,
+    IllPosed,
     /// Neither is proved.
-    NotDecided = 2,
+    NotDecided,
 }
 
 impl BoxVerdict {
-    /// All verdicts, in the order of their discriminants.
-    pub const ALL: [Self; 3] = [Self::WellPosed, Self::IllPosed, Self::NotDecided];
-
-    /// Name in output.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::WellPosed => "proved well-posed",
-            Self::IllPosed => "proved ill-posed",
-            Self::NotDecided => "not decided",
-        }
-    }
-
     /// Verdict from the conditions of a model: all positive, or one negative, in the whole box.
     pub fn from_conditions(conditions: &[BoxCondition]) -> Self {
         let signs = || conditions.iter().map(|own| own.enclosure.certain_sign());

@@ -3,7 +3,8 @@
 //! Interval arithmetic loses the dependence of intermediate results on each other, so the enclosure of a difference of
 //! two nearly equal quantities is as wide as their sum. A Taylor model (Makino & Berz 2003, Int. J. Pure Appl. Math. 4,
 //! 379–456) keeps the linear part of this dependence and is wrong by the square of the size of the box. All operations
-//! are rounded to nearest; bounds on the rounding errors are added to the remainder.
+//! are rounded to nearest; bounds on the rounding errors are added to the remainder. The functions are those of formulas in
+//! general ([`Scalar`]).
 
 use super::elementary::Elementary;
 use super::rounding::{Rounded, UNIT_ROUNDOFF};
@@ -17,6 +18,13 @@ const INFLATION: f64 = 1.0 + 32.0 * UNIT_ROUNDOFF;
 
 /// Bounds the error of the few operations of a formula that underflow.
 const UNDERFLOW: f64 = f64::from_bits(16);
+
+/// Range of magnitudes whose third powers neither overflow nor underflow; reciprocals, roots and logarithms of other numbers
+/// are not enclosed.
+const SAFE_MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
+
+/// Least argument of an exponential that is enclosed, so that the result is a normal number.
+const LEAST_EXPONENT: f64 = -600.0;
 
 /// Relative widening of an enclosure of f″ whose ends are rounded a few times.
 const CURVATURE_ROUNDING: f64 = 32.0 * UNIT_ROUNDOFF;
@@ -107,7 +115,8 @@ impl TaylorModel {
     fn reciprocal(self) -> Self {
         let [low, high] = self.range();
         // Also false for ends that are not numbers.
-        if !(low > 0.0 || high < 0.0) {
+        let has_sign = low > 0.0 || high < 0.0;
+        if !(has_sign && [low, high].iter().all(|own| SAFE_MAGNITUDES.contains(&own.abs()))) {
             return Self::unbounded(1.0 / self.value);
         }
         let inverse = 1.0 / self.value;
@@ -121,7 +130,7 @@ impl TaylorModel {
         }
         let [low, high] = self.range();
         let root = self.value.sqrt();
-        if !(low > 0.0) {
+        if !(SAFE_MAGNITUDES.contains(&low) && SAFE_MAGNITUDES.contains(&high)) {
             return Self::unbounded(root);
         }
         let curvature = |x: f64| -0.25 / (x * x.sqrt());
@@ -182,7 +191,7 @@ impl TaylorModel {
     fn ln(self) -> Self {
         let [low, high] = self.range();
         let value = self.value.cr_ln();
-        if !(low > 0.0) {
+        if !(SAFE_MAGNITUDES.contains(&low) && SAFE_MAGNITUDES.contains(&high)) {
             return Self::unbounded(value);
         }
         self.compose(value, 1.0 / self.value, [-1.0 / (low * low), -1.0 / (high * high)])
@@ -190,6 +199,9 @@ impl TaylorModel {
 
     fn exp(self) -> Self {
         let value = self.value.cr_exp();
+        if !(self.range()[0] > LEAST_EXPONENT) {
+            return Self::unbounded(value);
+        }
         self.compose(value, value, self.range().map(Elementary::cr_exp))
     }
 

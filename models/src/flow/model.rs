@@ -72,7 +72,8 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
 
     /// Conditions for well-posedness over a box of states with these enclosures of the constants, in the order of
     /// [`FlowModel::parameters`], and of the non-coaxiality Δ, rad. All states of the box are fully deforming; `flow` is
-    /// one of them and has their gradients and accelerations. `None` if no formula is known for them.
+    /// one of them and has their gradients and accelerations; no number that varies over the box may be taken from it or
+    /// from `self`. `None` if no formula is known for them.
     fn box_conditions(
         &self,
         flow: &DeformingFlow,

@@ -7,8 +7,8 @@ use crate::case::Case;
 use crate::study::MapResult;
 use crate::study::map::summary::MapAxis;
 use crate::study::map::{CELL_PARTS, CellVerdict, CertifiedMap};
-use analysis::certified::BoxVerdict;
 use figures::{FillStyle, Hatching, VerdictCategory, VerdictMap};
+use models::common::elementary::Elementary;
 
 pub(super) fn summary_lines(own: &CertifiedMap) -> Vec<String> {
     let cells = own.cells[0] * own.cells[1];
@@ -19,7 +19,7 @@ pub(super) fn summary_lines(own: &CertifiedMap) -> Vec<String> {
     for ((name, count), (_, share)) in own.cell_counts.iter().zip(&own.area_shares) {
         if *count > 0 || *share > 0.0 {
             lines.push(format!(
-                "  {name}: {} of {cells}, {} % of the area part by part",
+                "  {name}: {} of {cells}, {} % of the area",
                 format_count(*count, "cell"),
                 format_short(100.0 * share)
             ));
@@ -30,11 +30,11 @@ pub(super) fn summary_lines(own: &CertifiedMap) -> Vec<String> {
 
 pub(super) fn create_figure(case: &Case, found: &MapResult, own: &CertifiedMap) -> VerdictMap {
     let category = |verdict: CellVerdict| VerdictCategory {
-        label: verdict.name().into(),
+        label: own.area_shares[verdict as usize].0.into(),
         fill_style: match verdict {
-            CellVerdict::Assessed(BoxVerdict::WellPosed) => FillStyle::WellPosed,
-            CellVerdict::Assessed(BoxVerdict::IllPosed) => FillStyle::IllPosed(Hatching::Plain),
-            CellVerdict::Assessed(BoxVerdict::NotDecided) => FillStyle::Indeterminate,
+            CellVerdict::WellPosed => FillStyle::WellPosed,
+            CellVerdict::IllPosed => FillStyle::IllPosed(Hatching::Plain),
+            CellVerdict::NotDecided => FillStyle::Indeterminate,
             CellVerdict::NoState => FillStyle::OutsideModel,
         },
         level_factor: 1.0,
@@ -45,7 +45,7 @@ pub(super) fn create_figure(case: &Case, found: &MapResult, own: &CertifiedMap) 
             let place = (part as f64 + 0.5) / CELL_PARTS as f64;
             match axis.spacing {
                 None => first + (last - first) * place,
-                Some(_) => first * (last / first).powf(place),
+                Some(_) => first * (last / first).cr_powf(place),
             }
         };
         let steps = axis.values.windows(2);

@@ -2,7 +2,7 @@
 
 use crate::report::{ArrayData, DataArray, DataFile, DataTable, column_unit};
 use crate::study::MapResult;
-use crate::study::map::{CELL_PARTS, CellVerdict, MapCode, MapNumber, PointStatus};
+use crate::study::map::{CELL_PARTS, MapCode, MapNumber, PointStatus};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 use files::csv::CsvCell;
@@ -96,7 +96,7 @@ pub(super) fn create_arrays(found: &MapResult) -> DataFile<'_> {
     }));
     if let Some(own) = &found.certified {
         let [columns, rows] = own.cells.map(|count| count * CELL_PARTS);
-        let names = CellVerdict::ALL.map(CellVerdict::name);
+        let names = own.area_shares.map(|share| share.0);
         arrays.push(DataArray::texts("certified_names", "certified_name", &names));
         let codes: Vec<i8> = own.parts.iter().map(|&code| code as i8).collect();
         let shape = [("certified_y", rows), ("certified_x", columns)];

@@ -131,7 +131,8 @@ pub fn compute_map(
 }
 
 /// Assesses all states of the map of a case as [`compute_map`] does, on several ranks, each on the rayon thread pool in
-/// which it is called. All ranks get the whole result, which does not depend on their number. All of them call it with
+/// which it is called. All ranks get the whole result, which does not depend on their number; proofs over cells are repeated
+/// on every rank. All of them call it with
 /// the same case and options, after [`check_map_memory`]. `progress` is that of this rank; with several ranks it must not
 /// cancel.
 ///

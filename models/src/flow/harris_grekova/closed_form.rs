@@ -120,18 +120,17 @@ fn ellipticity<T: Scalar>(phi: T, nu: T, twice_delta: T) -> T {
 /// [`assess_with_dilatancy`], a has the sign of cos 2Δ. If cos 2Δ < 0, D is negative in some directions, and there
 /// Re ς ~ k², but for the two in which 𝒜 vanishes. If the ellipticity is negative, D changes its sign.
 pub fn box_conditions(
-    model: &HarrisGrekova,
     flow: &DeformingFlow,
     constants: &[TaylorModel],
     noncoaxiality: TaylorModel,
 ) -> Option<Vec<BoxCondition>> {
-    let &[phi, nu, ..] = constants else { return None };
+    let &[phi, nu, _, _, strength] = constants else { return None };
     let twice_delta = noncoaxiality + noncoaxiality;
     let cosine = BoxCondition { formula: "cos 2Δ", enclosure: twice_delta.apply(Function::Cos) };
     if nu.is_structural_zero() {
         return Some(vec![cosine]);
     }
-    let has_no_stress = model.rotational_strength == 0.0 && flow.stress.rotational_stress == 0.0;
+    let has_no_stress = strength.is_structural_zero() && flow.stress.rotational_stress == 0.0;
     let bound = BoxCondition {
         formula: "cos²ν cos φ cos(φ − 2ν) cos² 2Δ − sin²ν cos²(φ − ν) sin² 2Δ",
         enclosure: ellipticity(phi, nu, twice_delta),

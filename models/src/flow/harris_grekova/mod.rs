@@ -63,7 +63,7 @@ impl FlowLaw for HarrisGrekova {
         constants: &[TaylorModel],
         noncoaxiality: TaylorModel,
     ) -> Option<Vec<BoxCondition>> {
-        closed_form::box_conditions(self, flow, constants, noncoaxiality)
+        closed_form::box_conditions(flow, constants, noncoaxiality)
     }
 
     fn noncoaxiality_bound(&self) -> Option<f64> {
