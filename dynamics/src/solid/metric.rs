@@ -90,10 +90,27 @@ pub(crate) struct CurvatureRotation {
 }
 
 impl CurvatureRotation {
+    /// Creates the planes of each medium. All media have the same entries of Cq, zeros where a medium does not couple to the
+    /// stress: subtracting a zero changes the sign of another one, and cells of all media go through the same operations.
+    pub(crate) fn from_media(media: &[Medium]) -> Vec<Vec<Self>> {
+        let mut all: Vec<Vec<Self>> = media.iter().map(Self::from_medium).collect();
+        for plane in 0..all.first().map_or(0, Vec::len) {
+            let mut indices: Vec<usize> =
+                all.iter().flat_map(|own| &own[plane].moduli).map(|own| own.0).collect();
+            indices.sort_unstable();
+            indices.dedup();
+            for own in &mut all {
+                own[plane].moduli =
+                    indices.iter().map(|&index| (index, own[plane].modulus(index))).collect();
+            }
+        }
+        all
+    }
+
     /// Creates the planes of a medium, one for each wave pair along the second axis. Along the second axis, half of the
     /// stress of each wave pair enters q; along the first axis the direction of velocities rotates, so that stresses on
     /// faces normal to that axis act on the other velocity.
-    pub(crate) fn from_medium(medium: &Medium) -> Vec<Self> {
+    fn from_medium(medium: &Medium) -> Vec<Self> {
         let [across, along] = [0, 1].map(|axis| &medium.pairs[axis]);
         let field_index = |field: SolidField| medium.fields.iter().position(|own| *own == field);
         let plane = |pair: &models::solid::waves::VelocityStressPair| {
@@ -139,7 +156,7 @@ impl CurvatureRotation {
     }
 
     /// Returns the entry of Cq for a field, given by its index, Pa or N; 0 if there is none.
-    pub(crate) fn modulus(&self, index: usize) -> f64 {
+    fn modulus(&self, index: usize) -> f64 {
         self.moduli.iter().find(|own| own.0 == index).map_or(0.0, |own| own.1)
     }
 

@@ -505,6 +505,24 @@ fn fused_solver_equals_the_reference_with_wide_stencils() {
     compare_problems::<f32, 2>((6_000_000, 10), FLUSHED_MAGNITUDES[1], random_wide_problem);
 }
 
+/// A polar block of media of which only some couple a stress to the curvature: zeros of that stress in the others keep the
+/// signs of the reference.
+#[test]
+fn signs_of_zeros_in_polar_blocks_of_several_media_are_those_of_the_reference() {
+    let random_block = |random: &mut NoiseSequence| {
+        let coupled = Medium::new(scaled_isotropic(Theory::Cosserat, 1.0), 2);
+        let media = vec![Medium::new(cubic_compliances(), 2), coupled];
+        let grid = Grid { cells: [13, 5], spacing: [0.13; 2] };
+        let mut problem = random_problem_in_grid(random, media, grid, [false; 2]);
+        problem.medium_function = None;
+        problem.cell_media = (0..65).map(|cell| u16::from(noise(cell) > 0.0)).collect();
+        make_polar(random, &mut problem);
+        problem
+    };
+    compare_problems::<f32, 2>((7_000_000, 12), FLUSHED_MAGNITUDES[1], random_block);
+    compare_problems::<f64, 2>((7_100_000, 12), FLUSHED_MAGNITUDES[0], random_block);
+}
+
 #[test]
 #[ignore = "takes half a minute"]
 fn fused_solver_equals_the_reference_in_many_problems() {

@@ -141,22 +141,17 @@ impl<T: Real> CurvatureRotations<T> {
         layers: &[usize],
     ) -> Option<Self> {
         let curvature = &problem.metric.as_ref().filter(|own| !own.curvature.is_empty())?.curvature;
-        let rotations_by_medium: Vec<_> =
-            problem.media.iter().map(CurvatureRotation::from_medium).collect();
+        let rotations_by_medium = CurvatureRotation::from_media(&problem.media);
         let plane = |index: usize| {
             let planes: Vec<&CurvatureRotation> =
                 rotations_by_medium.iter().map(|own| &own[index]).collect();
-            let lanes = |pattern: &Vec<u16>, place: usize| {
+            let lanes = |pattern: &Vec<u16>, entry: usize| {
                 T::Lanes::from_lanes(|lane| {
-                    T::from_f64(planes[usize::from(pattern[lane])].modulus(place))
+                    T::from_f64(planes[usize::from(pattern[lane])].moduli[entry].1)
                 })
             };
-            let mut stress_indices: Vec<usize> =
-                planes.iter().flat_map(|own| &own.moduli).map(|own| own.0).collect();
-            stress_indices.sort_unstable();
-            stress_indices.dedup();
-            let moduli = stress_indices.into_iter().map(|place| {
-                (place * pitch, patterns.iter().map(|own| lanes(own, place)).collect())
+            let moduli = planes[0].moduli.iter().enumerate().map(|(entry, &(place, _))| {
+                (place * pitch, patterns.iter().map(|own| lanes(own, entry)).collect())
             });
             let weights = planes[0].weights.iter();
             let constants = |layer: &usize| {

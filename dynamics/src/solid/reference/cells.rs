@@ -76,12 +76,13 @@ impl<T: SolverReal> CellLaws<T> {
             let by_layer = curvature.iter().map(layer_coefficients).collect();
             (plane, by_layer)
         };
-        let planes = |medium: &Medium| match curvature {
+        let planes = match curvature {
             [] => Vec::new(),
-            _ => CurvatureRotation::from_medium(medium).into_iter().map(plane).collect(),
+            _ => CurvatureRotation::from_media(media),
         };
+        let layered = |own: Vec<CurvatureRotation>| own.into_iter().map(plane).collect();
         Self {
-            curvature_planes: media.iter().map(planes).collect(),
+            curvature_planes: planes.into_iter().map(layered).collect(),
             spin_rotations: rotations.collect(),
             rotated_fields: rotated_fields(fields),
             relaxations,
@@ -192,7 +193,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     pub(super) fn rotate_by_curvature(&mut self, interval: LawInterval) {
         let length = self.problem.grid.cells[0];
         for (cell, medium) in self.problem.cell_media.iter().enumerate() {
-            for (plane, by_layer) in &self.cell_laws.curvature_planes[usize::from(*medium)] {
+            let planes = self.cell_laws.curvature_planes.get(usize::from(*medium));
+            for (plane, by_layer) in planes.into_iter().flatten() {
                 let weights = plane.weights.iter();
                 let y = weights.fold(T::ZERO, |y, &(index, weight)| {
                     y + T::from_f64(weight) * self.fields[index][cell]
