@@ -1,19 +1,18 @@
-//! Elastic acoustic tensor Γₑ and its eigenbases on the geodesic grid of wave normals.
+//! Elastic acoustic tensor Γₑ of a solid in space.
 
-use super::eigenbasis::{Eigenbasis, EigenvalueGroups, MAX_VELOCITIES, diagonalise, new_identity};
+use super::eigenbasis::{Eigenbasis, MAX_VELOCITIES, diagonalise};
 use super::error::NormalSearchError;
-use super::geodesic_grid::{MAX_NEIGHBOURS, build_grid_pair};
+use super::isotropic_waves::IsotropicWaves;
+use super::wave_grid::WaveGrid;
 use models::common::product::triple_product;
 use models::common::rates::RateEquations;
 use nalgebra::DMatrix;
+use std::sync::OnceLock;
 
-/// Number of wave normals that the inner loops process together (SIMD lanes).
-pub(super) const LANES: usize = 32;
-
-/// Elastic acoustic tensor Γₑ(n) of a solid in space, with its eigenbases on a grid of wave normals; serves every
-/// [rank-one update](super::rank_one::RankOneUpdate) of the stiffness of that solid, from any thread.
+/// Elastic acoustic tensor Γₑ(n) of a solid in space; serves every [rank-one update](super::rank_one::RankOneUpdate) of
+/// the stiffness of that solid, from any thread.
 ///
-/// Stored speeds are in units of the fastest elastic wave of the grid. Velocities whose gradients are not strains
+/// Stored speeds are in units of the fastest elastic wave. Velocities whose gradients are not strains
 /// (the spins of a reduced Cosserat solid) carry no waves and are omitted.
 #[derive(Clone, Debug)]
 pub struct AcousticTensor3 {
@@ -30,27 +29,10 @@ pub struct AcousticTensor3 {
     /// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, summed over the pairs of axes ij = 11, 22, 33,
     /// 23, 13, 12, one matrix for each pair.
     form_tensors: [[[f64; MAX_VELOCITIES]; MAX_VELOCITIES]; 6],
-    /// Wave normals of the grid.
-    pub(super) normals: Vec<[f64; 3]>,
-    /// Groups of equal eigenvalues at each of `normals`.
-    pub(super) groups: Vec<EigenvalueGroups>,
-    /// Index in `coarse_points` of the nearest point of the coarse grid to each of `normals`.
-    pub(super) coarse_parents: Vec<u32>,
-    /// Coarse grid, as indices into `normals`.
-    pub(super) coarse_points: Vec<u32>,
-    /// Neighbours of the coarse grid points, as indices into `coarse_points`; if fewer than six, the first is repeated.
-    pub(super) coarse_neighbours: Vec<[u32; MAX_NEIGHBOURS]>,
-    /// Wave normals and eigenvalues in chunks of `LANES` directions, as structure of arrays; the last chunk is padded.
-    pub(super) chunks: Vec<DirectionChunk>,
-    /// Eigenvectors of each chunk, block by block, with the velocity as slow and the eigenvalue as fast index.
-    pub(super) eigenvectors: Vec<[f64; LANES]>,
-}
-
-/// Wave normals and elastic eigenvalues of `LANES` directions.
-#[derive(Clone, Debug)]
-pub(super) struct DirectionChunk {
-    pub(super) normal: [[f64; LANES]; 3],
-    pub(super) squared_speed: [[f64; LANES]; MAX_VELOCITIES],
+    /// Speeds of an isotropic solid; `None` if they depend on the direction.
+    pub(super) isotropic: Option<IsotropicWaves>,
+    /// Eigenbases on the grid of the search; in isotropic solids, computed when first needed.
+    grid: OnceLock<WaveGrid>,
 }
 
 impl AcousticTensor3 {
@@ -58,7 +40,8 @@ impl AcousticTensor3 {
     /// point or its opposite.
     pub const COVERING_RADIUS: f64 = 0.9 * std::f64::consts::PI / 180.0;
 
-    /// Computes the elastic acoustic tensor and its eigenbases on the grid, in about 0.1 s.
+    /// Computes the elastic acoustic tensor; if the elastic speeds depend on the direction, also the eigenbases on the
+    /// grid of the search, in about 0.1 s.
     ///
     /// # Errors
     /// More than six velocities, numbers that are not finite, or a direction in which the elastic acoustic tensor is
@@ -96,7 +79,7 @@ impl AcousticTensor3 {
         let order: Vec<usize> = order.iter().map(|&v| moving[v]).collect();
 
         let form_tensors = quadratic_form_tensors(&products(&order), size);
-        let (normals, coarse_points, coarse_neighbours, coarse_parents) = build_grid_pair();
+        let isotropic = IsotropicWaves::new(&form_tensors, size);
         let mut tensor = Self {
             squared_speed_unit: 1.0,
             stress_count: stresses,
@@ -104,41 +87,39 @@ impl AcousticTensor3 {
             blocks,
             scaled_divergence: std::array::from_fn(|axis| rows(axis, &order)),
             form_tensors,
-            normals,
-            groups: Vec::new(),
-            coarse_parents,
-            coarse_points,
-            coarse_neighbours,
-            chunks: Vec::new(),
-            eigenvectors: Vec::new(),
+            isotropic,
+            grid: OnceLock::new(),
         };
-        tensor.compute_waves()?;
+        tensor.normalise_speeds()?;
         Ok(tensor)
     }
 
-    /// Fills `groups`, `chunks` and `eigenvectors`, and normalises by the fastest wave.
-    fn compute_waves(&mut self) -> Result<(), NormalSearchError> {
-        let count = self.normals.len();
-        let mut fastest: f64 = 0.0;
-        let mut waves = Vec::with_capacity(count);
-        for &normal in &self.normals {
-            let wave = self.elastic_eigenbasis(&normal, &new_identity());
-            for &value in &wave.0[..self.velocity_count] {
-                fastest = fastest.max(value);
+    /// Scales to the unit of the fastest wave, after checking that all waves have positive speeds.
+    fn normalise_speeds(&mut self) -> Result<(), NormalSearchError> {
+        let check = |normal: [f64; 3], values: &[f64], fastest: f64| {
+            let bad = values.iter().find(|&&value| value.is_nan() || value <= 1e-14 * fastest);
+            bad.map_or(Ok(()), |&squared_speed| {
+                Err(NormalSearchError::NotPositiveDefinite { normal, squared_speed })
+            })
+        };
+        let fastest = match &mut self.isotropic {
+            Some(waves) => {
+                let fastest = waves.fastest();
+                check([1.0, 0.0, 0.0], waves.squared_speeds(), fastest)?;
+                waves.scale(1.0 / fastest);
+                fastest
             }
-            waves.push(wave);
-        }
-        for ((values, _), &normal) in waves.iter().zip(&self.normals) {
-            if let Some(&value) = values[..self.velocity_count]
-                .iter()
-                .find(|&&value| value.is_nan() || value <= 1e-14 * fastest)
-            {
-                return Err(NormalSearchError::NotPositiveDefinite {
-                    normal,
-                    squared_speed: value,
-                });
+            None => {
+                let mut grid = WaveGrid::new(self);
+                let fastest = grid.fastest(self.velocity_count);
+                for (&normal, values) in grid.normals.iter().zip(grid.squared_speeds()) {
+                    check(normal, &values[..self.velocity_count], fastest)?;
+                }
+                grid.scale(1.0 / fastest);
+                let _ = self.grid.set(grid);
+                fastest
             }
-        }
+        };
         self.squared_speed_unit = fastest;
         for tensor in self.form_tensors.iter_mut().flatten().flatten() {
             *tensor /= fastest;
@@ -146,43 +127,12 @@ impl AcousticTensor3 {
         for rows in &mut self.scaled_divergence {
             *rows /= fastest.sqrt();
         }
-        let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
-        for start in (0..count).step_by(LANES) {
-            let mut chunk = DirectionChunk {
-                normal: [[0.0; LANES]; 3],
-                squared_speed: [[1.0; LANES]; MAX_VELOCITIES],
-            };
-            let first = self.eigenvectors.len();
-            self.eigenvectors.resize(first + entries, [0.0; LANES]);
-            for lane in 0..LANES {
-                // Pad the last chunk with the last direction.
-                let point = (start + lane).min(count - 1);
-                let (values, basis) = &waves[point];
-                for axis in 0..3 {
-                    chunk.normal[axis][lane] = self.normals[point][axis];
-                }
-                for (lanes, value) in
-                    chunk.squared_speed.iter_mut().zip(values).take(self.velocity_count)
-                {
-                    lanes[lane] = value / fastest;
-                }
-                let mut entry = first;
-                for &(block, size) in &self.blocks {
-                    for row in &basis[block..block + size] {
-                        for &component in &row[block..block + size] {
-                            self.eigenvectors[entry][lane] = component;
-                            entry += 1;
-                        }
-                    }
-                }
-                if start + lane < count {
-                    let scaled = values.map(|value| value / fastest);
-                    self.groups.push(EigenvalueGroups::new(&scaled[..self.velocity_count]));
-                }
-            }
-            self.chunks.push(chunk);
-        }
         Ok(())
+    }
+
+    /// Eigenbases on the grid of the search.
+    pub(super) fn grid(&self) -> &WaveGrid {
+        self.grid.get_or_init(|| WaveGrid::new(self))
     }
 
     /// Eigenvalues and eigenvectors of Γₑ for the wave normal n; fast if `nearby_basis` is close to the eigenvectors.
@@ -220,25 +170,9 @@ impl AcousticTensor3 {
         (std::array::from_fn(|k| matrix[k][k]), basis)
     }
 
-    /// Eigenvectors of Γₑ at the grid point of index `point`.
-    pub(super) fn eigenbasis_at(&self, point: usize) -> Eigenbasis {
-        let mut basis = [[0.0; MAX_VELOCITIES]; MAX_VELOCITIES];
-        let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
-        let mut entry = point / LANES * entries;
-        for &(first, size) in &self.blocks {
-            for row in &mut basis[first..first + size] {
-                for component in &mut row[first..first + size] {
-                    *component = self.eigenvectors[entry][point % LANES];
-                    entry += 1;
-                }
-            }
-        }
-        basis
-    }
-
-    /// Wave normals of the grid, one of each pair n, −n.
+    /// Wave normals of the grid of the search, one of each pair n, −n.
     pub fn normals(&self) -> &[[f64; 3]] {
-        &self.normals
+        &self.grid().normals
     }
 }
 

@@ -37,6 +37,7 @@ mod elastic_waves;
 mod error;
 mod extremes;
 mod geodesic_grid;
+mod isotropic_waves;
 mod minimise;
 mod rank_one;
 mod search;
@@ -45,6 +46,7 @@ mod secular_roots;
 mod speeds;
 mod tensor_update;
 mod unit_vectors;
+mod wave_grid;
 
 pub use elastic_waves::AcousticTensor3;
 pub use error::NormalSearchError;

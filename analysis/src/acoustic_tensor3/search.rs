@@ -1,7 +1,7 @@
 //! Search for the strongest flutter and the slowest wave over all wave normals in space.
 
-use super::eigenbasis::{Eigenbasis, EigenvalueGroups, MAX_VELOCITIES};
-use super::elastic_waves::{AcousticTensor3, LANES};
+use super::eigenbasis::{Eigenbasis, MAX_VELOCITIES};
+use super::elastic_waves::AcousticTensor3;
 use super::error::NormalSearchError;
 use super::extremes::{Flutter, SlowestSpeed, WaveExtremes};
 use super::geodesic_grid::{COARSE_SUBDIVISIONS, FINE_SUBDIVISIONS};
@@ -10,10 +10,11 @@ use super::rank_one::RankOneUpdate;
 use super::secular_equation::assemble_secular_equation;
 use super::secular_roots::{EigenvaluePair, SecularRoots};
 use super::tensor_update::{TensorUpdate, WEIGHT_TOLERANCE};
+use super::wave_grid::LANES;
 use num_complex::Complex64;
 
-/// Reusable memory of [`AcousticTensor3::search_extremes`].
-#[derive(Clone, Debug)]
+/// Reusable memory of [`AcousticTensor3::search_extremes`], which allocates it when it first searches.
+#[derive(Clone, Debug, Default)]
 pub struct NormalSearchWorkspace {
     pub(super) coarse_roots: Vec<SecularRoots>,
     pub(super) squared_growth: Vec<f64>,
@@ -22,11 +23,12 @@ pub struct NormalSearchWorkspace {
 impl AcousticTensor3 {
     /// Creates a workspace for [`search_extremes`](Self::search_extremes); use one per thread.
     pub fn new_workspace(&self) -> NormalSearchWorkspace {
+        let count = self.grid().coarse_points.len();
         let none =
             SecularRoots { smallest_real: f64::INFINITY, critical_pair: None, is_complex: false };
         NormalSearchWorkspace {
-            coarse_roots: vec![none; self.coarse_points.len()],
-            squared_growth: vec![f64::NEG_INFINITY; self.coarse_points.len()],
+            coarse_roots: vec![none; count],
+            squared_growth: vec![f64::NEG_INFINITY; count],
         }
     }
 
@@ -45,22 +47,29 @@ impl AcousticTensor3 {
         workspace: &mut NormalSearchWorkspace,
     ) -> Result<WaveExtremes, NormalSearchError> {
         let tensor_update = self.project_update(update)?;
-        if workspace.coarse_roots.len() != self.coarse_points.len() {
+        let grid = self.grid();
+        if workspace.coarse_roots.len() != grid.coarse_points.len() {
             *workspace = self.new_workspace();
         }
         let NormalSearchWorkspace { coarse_roots, squared_growth } = workspace;
         for (place, (roots, growth)) in
             coarse_roots.iter_mut().zip(squared_growth.iter_mut()).enumerate()
         {
-            let index = self.coarse_points[place] as usize;
-            let normal = &self.normals[index];
-            *roots = tensor_update
-                .secular_equation_at(normal, &self.eigenbasis_at(index), &self.groups[index])
-                .solve_roots();
+            let index = grid.coarse_points[place] as usize;
+            let normal = &grid.normals[index];
+            let secular = match &self.isotropic {
+                Some(waves) => waves.secular_equation_at(&tensor_update, normal),
+                None => tensor_update.secular_equation_at(
+                    normal,
+                    &grid.eigenbasis_at(index),
+                    &grid.groups[index],
+                ),
+            };
+            *roots = secular.solve_roots();
             *growth = roots.critical_pair.map_or(f64::NEG_INFINITY, |pair| pair.squared_growth());
         }
 
-        let mut best = ScaledExtremes { slowest: (self.normals[0], f64::INFINITY), flutter: None };
+        let mut best = ScaledExtremes { slowest: (grid.normals[0], f64::INFINITY), flutter: None };
         self.refine_coarse_extremes(&tensor_update, coarse_roots, squared_growth, &mut best);
         self.search_fine_grid(&tensor_update, coarse_roots, &mut best);
 
@@ -72,15 +81,25 @@ impl AcousticTensor3 {
                     * self.squared_speed_unit,
                 normal,
             }),
-            slowest: SlowestSpeed {
-                squared_speed: value * self.squared_speed_unit,
-                normal,
-                rounding: 64.0
-                    * f64::EPSILON
-                    * (1.0 + tensor_update.max_norm_product)
-                    * self.squared_speed_unit,
-            },
+            slowest: self.scale_slowest(&tensor_update, normal, value),
         })
+    }
+
+    /// Slowest wave in the units of speeds, with its rounding, from `value` in the unit of stored speeds.
+    pub(super) fn scale_slowest(
+        &self,
+        update: &TensorUpdate,
+        normal: [f64; 3],
+        value: f64,
+    ) -> SlowestSpeed {
+        SlowestSpeed {
+            squared_speed: value * self.squared_speed_unit,
+            normal,
+            rounding: 64.0
+                * f64::EPSILON
+                * (1.0 + update.max_norm_product)
+                * self.squared_speed_unit,
+        }
     }
 
     /// Refines the smallest c² and the strongest flutter of the coarse grid, and further local extrema that may exceed
@@ -92,6 +111,7 @@ impl AcousticTensor3 {
         squared_growth: &[f64],
         best: &mut ScaledExtremes,
     ) {
+        let grid = self.grid();
         let (least, most) = coarse_roots.iter().zip(squared_growth.iter()).enumerate().fold(
             (0, 0),
             |(least, most), (place, (roots, &own))| {
@@ -105,20 +125,20 @@ impl AcousticTensor3 {
         );
         self.refine_slowest(
             tensor_update,
-            self.coarse_points[least] as usize,
+            grid.coarse_points[least] as usize,
             COARSE_SUBDIVISIONS,
             best,
         );
         if coarse_roots[most].critical_pair.is_some() {
             self.refine_flutter(
                 tensor_update,
-                self.coarse_points[most] as usize,
+                grid.coarse_points[most] as usize,
                 COARSE_SUBDIVISIONS,
                 best,
             );
         }
         for place in 0..coarse_roots.len() {
-            let neighbour_values = &self.coarse_neighbours[place];
+            let neighbour_values = &grid.coarse_neighbours[place];
             // Between a grid point and half the distance to its neighbours a quadratic changes by a quarter of the
             // difference; eight times as much is allowed for.
             let own = coarse_roots[place].smallest_real;
@@ -128,7 +148,7 @@ impl AcousticTensor3 {
             if place != least && own <= lowest && own - 2.0 * (highest - own) < best.slowest.1 {
                 self.refine_slowest(
                     tensor_update,
-                    self.coarse_points[place] as usize,
+                    grid.coarse_points[place] as usize,
                     COARSE_SUBDIVISIONS,
                     best,
                 );
@@ -149,7 +169,7 @@ impl AcousticTensor3 {
             {
                 self.refine_flutter(
                     tensor_update,
-                    self.coarse_points[place] as usize,
+                    grid.coarse_points[place] as usize,
                     COARSE_SUBDIVISIONS,
                     best,
                 );
@@ -164,11 +184,12 @@ impl AcousticTensor3 {
         coarse_roots: &[SecularRoots],
         best: &mut ScaledExtremes,
     ) {
+        let grid = self.grid();
         let mut products = [[0.0; LANES]; MAX_VELOCITIES];
         let mut flags = [false; LANES];
         let mut thresholds = [0.0; LANES];
         let mut found = [(0, f64::NEG_INFINITY); 8];
-        for (index, chunk) in self.chunks.iter().enumerate() {
+        for (index, chunk) in grid.chunks.iter().enumerate() {
             let target = best.slowest.1 - 1e-12;
             self.compute_weight_products(tensor_update, index, &mut products, &mut thresholds);
             // At the smallest c² so far, if it is below all λ_g, a negative 1 − Σ w_g/(λ_g − λ) proves that a smaller
@@ -190,12 +211,12 @@ impl AcousticTensor3 {
             }
             for lane in (0..LANES).filter(|&lane| flags[lane]) {
                 let place = index * LANES + lane;
-                if place >= self.normals.len() {
+                if place >= grid.normals.len() {
                     continue;
                 }
                 let own: [f64; MAX_VELOCITIES] = std::array::from_fn(|k| products[k][lane]);
                 let secular = assemble_secular_equation(
-                    &self.groups[place],
+                    &grid.groups[place],
                     &own[..self.velocity_count],
                     thresholds[lane],
                 );
@@ -205,7 +226,7 @@ impl AcousticTensor3 {
                         self.refine_slowest(tensor_update, place, FINE_SUBDIVISIONS, best);
                     }
                 }
-                let parent = &coarse_roots[self.coarse_parents[place] as usize];
+                let parent = &coarse_roots[grid.coarse_parents[place] as usize];
                 if parent.is_complex || secular.pole_count < 2 || secular.sign_changes() < 3 {
                     continue;
                 }
@@ -222,7 +243,7 @@ impl AcousticTensor3 {
                     insert_strongest(
                         &mut found,
                         (place, pair.squared_growth()),
-                        &self.coarse_parents,
+                        &grid.coarse_parents,
                     );
                 }
             }
@@ -241,9 +262,13 @@ impl AcousticTensor3 {
         products: &mut [[f64; LANES]; MAX_VELOCITIES],
         thresholds: &mut [f64; LANES],
     ) {
-        let chunk = &self.chunks[index];
+        let grid = self.grid();
+        let chunk = &grid.chunks[index];
+        if let Some(waves) = &self.isotropic {
+            return waves.compute_weights(tensor_update, &chunk.normal, products, thresholds);
+        }
         let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
-        let eigenvectors = &self.eigenvectors[index * entries..(index + 1) * entries];
+        let eigenvectors = &grid.eigenvectors[index * entries..(index + 1) * entries];
         let [x, y, z] = &chunk.normal;
         let (mut squares, mut other_squares) = ([0.0; LANES], [0.0; LANES]);
         let mut entry = 0;
@@ -289,14 +314,7 @@ impl AcousticTensor3 {
         nearby_basis: &Eigenbasis,
         normal: &[f64; 3],
     ) -> SecularRoots {
-        let (values, basis) = self.elastic_eigenbasis(normal, nearby_basis);
-        tensor_update
-            .secular_equation_at(
-                normal,
-                &basis,
-                &EigenvalueGroups::new(&values[..self.velocity_count]),
-            )
-            .solve_roots()
+        self.secular_equation_near(tensor_update, nearby_basis, normal).solve_roots()
     }
 
     /// Minimises the smallest real eigenvalue of Γ over the wave normal, starting at the grid point `place`, and
@@ -308,12 +326,12 @@ impl AcousticTensor3 {
         frequency: usize,
         best: &mut ScaledExtremes,
     ) {
-        let nearby_basis = self.eigenbasis_at(place);
+        let nearby_basis = self.grid().eigenbasis_at(place);
         let function = |normal: &[f64; 3]| {
             self.solve_roots_near(tensor_update, &nearby_basis, normal).smallest_real
         };
         let radius = 1.3 / frequency as f64;
-        let found = minimise(self.normals[place], radius, best.slowest.1, function);
+        let found = minimise(self.grid().normals[place], radius, best.slowest.1, function);
         if found.1 < best.slowest.1 {
             best.slowest = found;
         }
@@ -328,14 +346,14 @@ impl AcousticTensor3 {
         frequency: usize,
         best: &mut ScaledExtremes,
     ) {
-        let nearby_basis = self.eigenbasis_at(place);
+        let nearby_basis = self.grid().eigenbasis_at(place);
         let target = best.flutter.map_or(0.0, |(_, pair)| pair.squared_growth());
         let function = |normal: &[f64; 3]| {
             let roots = self.solve_roots_near(tensor_update, &nearby_basis, normal);
             roots.critical_pair.map_or(f64::INFINITY, |pair| -pair.squared_growth())
         };
         let radius = 1.3 / frequency as f64;
-        let (normal, value) = minimise(self.normals[place], radius, -target, function);
+        let (normal, value) = minimise(self.grid().normals[place], radius, -target, function);
         let roots = self.solve_roots_near(tensor_update, &nearby_basis, &normal);
         if let (true, true, Some(pair)) = (-value > target, roots.is_complex, roots.critical_pair) {
             best.flutter = Some((normal, pair));

@@ -1,6 +1,6 @@
 //! All characteristic speeds for one wave normal.
 
-use super::eigenbasis::{EigenvalueGroups, new_identity};
+use super::eigenbasis::new_identity;
 use super::elastic_waves::AcousticTensor3;
 use super::error::NormalSearchError;
 use super::rank_one::RankOneUpdate;
@@ -18,9 +18,7 @@ impl AcousticTensor3 {
         normal: [f64; 3],
     ) -> Result<Vec<Complex64>, NormalSearchError> {
         let tensor_update = self.project_update(update)?;
-        let (values, basis) = self.elastic_eigenbasis(&normal, &new_identity());
-        let groups = EigenvalueGroups::new(&values[..self.velocity_count]);
-        let secular = tensor_update.secular_equation_at(&normal, &basis, &groups);
+        let secular = self.secular_equation_near(&tensor_update, &new_identity(), &normal);
         let mut roots: Vec<Complex64> = secular.unchanged_eigenvalues[..secular.unchanged_count]
             .iter()
             .map(|&x| Complex64::new(x, 0.0))

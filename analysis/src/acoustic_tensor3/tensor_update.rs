@@ -19,6 +19,15 @@ pub(super) struct TensorUpdate {
 }
 
 impl TensorUpdate {
+    /// Value of the linear function `rows` (velocities × axes) at a wave normal.
+    pub(super) fn apply(
+        &self,
+        rows: &[[f64; 3]; MAX_VELOCITIES],
+        normal: &[f64; 3],
+    ) -> [f64; MAX_VELOCITIES] {
+        rows.map(|row| row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2])
+    }
+
     /// Secular equation in the direction `normal`, from the eigenvectors and the grouped eigenvalues of Γₑ there.
     pub(super) fn secular_equation_at(
         &self,
@@ -26,11 +35,11 @@ impl TensorUpdate {
         basis: &Eigenbasis,
         groups: &EigenvalueGroups,
     ) -> SecularEquation {
-        let product = |row: &[f64; 3]| row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2];
         let (mut alpha, mut beta) = ([0.0; MAX_VELOCITIES], [0.0; MAX_VELOCITIES]);
-        let rows = self.alpha.iter().zip(&self.beta).zip(basis).take(self.velocity_count);
-        for ((own_alpha, own_beta), row) in rows {
-            let (a, b) = (product(own_alpha), product(own_beta));
+        let (own_alpha, own_beta) =
+            (self.apply(&self.alpha, normal), self.apply(&self.beta, normal));
+        let rows = own_alpha.iter().zip(&own_beta).zip(basis).take(self.velocity_count);
+        for ((&a, &b), row) in rows {
             for k in 0..self.velocity_count {
                 alpha[k] += row[k] * a;
                 beta[k] += row[k] * b;
@@ -50,6 +59,21 @@ impl TensorUpdate {
 }
 
 impl AcousticTensor3 {
+    /// Secular equation in the direction `normal`; fast if `nearby_basis` is close to the eigenvectors of Γₑ there.
+    pub(super) fn secular_equation_near(
+        &self,
+        update: &TensorUpdate,
+        nearby_basis: &Eigenbasis,
+        normal: &[f64; 3],
+    ) -> SecularEquation {
+        if let Some(waves) = &self.isotropic {
+            return waves.secular_equation_at(update, normal);
+        }
+        let (values, basis) = self.elastic_eigenbasis(normal, nearby_basis);
+        let groups = EigenvalueGroups::new(&values[..self.velocity_count]);
+        update.secular_equation_at(normal, &basis, &groups)
+    }
+
     /// Projects the update −a bᵀ of the stiffness to the vectors α and β as functions of the wave normal.
     pub(super) fn project_update(
         &self,
