@@ -32,6 +32,8 @@
 //! localization of plastic deformation, 14th IUTAM Congress (1976); B. Loret, J. H. Prevost &
 //! O. Harireche, Eur. J. Mech. A 9 (1990) 225–231; G. H. Golub, SIAM Review 15 (1973) 318–334.
 
+mod certified_extremes;
+mod deviatoric_associativity;
 mod eigenbasis;
 mod elastic_waves;
 mod error;
@@ -42,12 +44,14 @@ mod minimise;
 mod rank_one;
 mod search;
 mod secular_equation;
+mod secular_form;
 mod secular_roots;
 mod speeds;
 mod tensor_update;
 mod unit_vectors;
 mod wave_grid;
 
+pub use certified_extremes::ExtremesMethod;
 pub use elastic_waves::AcousticTensor3;
 pub use error::NormalSearchError;
 pub use extremes::{Flutter, SlowestSpeed, WaveExtremes};

@@ -4,7 +4,8 @@ use super::angles_deg;
 use crate::StateError;
 use crate::acoustic_tensor2::AcousticTensor2;
 use crate::acoustic_tensor3::{
-    self, AcousticTensor3, Flutter, NormalSearchError, RankOneUpdate, SlowestSpeed, WaveExtremes,
+    self, AcousticTensor3, ExtremesMethod, Flutter, NormalSearchError, RankOneUpdate, SlowestSpeed,
+    WaveExtremes,
 };
 use crate::flows::FlowWorkspace;
 use crate::growth::{self, Assessment, Growth, Verdict};
@@ -22,9 +23,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub const PLANE_ROUTE: &str = "exact dispersion polynomial of the rate equations, all directions; \
                                speeds from the acoustic tensor every half degree, then refined";
 
-/// Description of the method in space, for output.
-pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, from a start fine enough for a cap \
-                               of flutter of 1°, then refined by Newton's method";
+/// Description of the methods in space, for output on many states.
+pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, by forms with a proved maximum or, \
+                               where these do not decide, by search";
+
+/// Description of the method in space by forms, for output.
+pub const SPACE_FORM_ROUTE: &str = "acoustic tensor over the sphere: speeds proved real by signs of \
+                                    forms, slowest wave by Newton's method with a certificate \
+                                    that no direction has a slower one";
+
+/// Description of the search in space, for output.
+pub const SPACE_SEARCH_ROUTE: &str = "acoustic tensor over the sphere, from a start fine enough for a cap \
+                                      of flutter of 1°, then refined by Newton's method";
 
 /// Description of the method for elastic solids and associated flow without softening, for output.
 pub const SYMMETRIC_ROUTE: &str =
@@ -116,7 +126,7 @@ impl SolidAssessment {
     }
 }
 
-/// Cache of acoustic tensors of the last elastic solids in space, shared by all threads: each takes 0.1 s to compute
+/// Cache of acoustic tensors of the last elastic solids in space, shared by all threads: each may take 0.1 s to compute
 /// and serves every yield set and stress.
 #[derive(Default)]
 pub struct AcousticTensorCache {
@@ -213,8 +223,8 @@ impl<'a> SolidAssessor<'a> {
         // In space every yield set has one condition.
         let active =
             solid.plastic_state.as_ref().and_then(|plastic| plastic.active_conditions.first());
-        let extremes = match active {
-            None => slowest_elastic_wave(&elastic),
+        let (extremes, method) = match active {
+            None => (slowest_elastic_wave(&elastic), ExtremesMethod::Certified),
             Some(active) => {
                 let stresses = solid.stresses::<3>();
                 let components = |gradient| -> Vec<f64> {
@@ -234,11 +244,10 @@ impl<'a> SolidAssessor<'a> {
                     _ => {
                         let tensor =
                             self.cache.find_or_compute(solid.elastic_law.clone(), &elastic)?;
-                        let workspace = tensor.new_workspace();
-                        (solid.elastic_law.clone(), tensor, workspace)
+                        (solid.elastic_law.clone(), tensor, Default::default())
                     }
                 };
-                let found = own.1.search_extremes(&update, &mut own.2);
+                let found = own.1.find_extremes(&update, &mut own.2);
                 self.space_workspace = Some(own);
                 found?
             }
@@ -256,7 +265,11 @@ impl<'a> SolidAssessor<'a> {
             Hyperbolicity::Hyperbolic => (Verdict::WellPosed, None),
             _ => growth_verdict(&extremes),
         };
-        Ok(SolidAssessment { verdict, normal, extremes, hyperbolicity, route: SPACE_ROUTE })
+        let route = match method {
+            ExtremesMethod::Certified => SPACE_FORM_ROUTE,
+            ExtremesMethod::Search => SPACE_SEARCH_ROUTE,
+        };
+        Ok(SolidAssessment { verdict, normal, extremes, hyperbolicity, route })
     }
 }
 

@@ -2,6 +2,7 @@
 //! and Rudnicki & Rice's closed form.
 
 mod brute_force;
+mod certified;
 mod covering;
 mod directions;
 mod flutter;

@@ -1,0 +1,197 @@
+//! Global maximum of the secular function over all wave normals, with a certificate.
+//!
+//! At a fixed λ the secular function of [deviatorically associated flow](super::deviatoric_associativity) is a form
+//!
+//! ```text
+//! F(ν) = ν·Pν − q d² − r e²,   d = ν·Sν,   e = ν·Eν,   q, r ≥ 0,
+//! ```
+//!
+//! with symmetric P, S and E. Newton's method on the sphere finds a stationary point ν*, with d*, e* and
+//! M = P − 2q d*S − 2r e*E an eigenvector of M: Mν* = μν*. Since −d² ≤ d*² − 2 d* d, for every ν
+//!
+//! ```text
+//! F(ν) ≤ ν·Mν + q d*² + r e*²,   with equality at ν*.
+//! ```
+//!
+//! So **ν* is a global maximum if μ is the largest eigenvalue of M**; the other two eigenvectors of M are perpendicular
+//! to ν*, and their eigenvalues follow from a 2 × 2 matrix. For r = 0 this certificate exists at every global maximum,
+//! since the values (ν·Pν, ν·Sν) over the sphere form a convex set (Brickman 1961); for r > 0 it may be missing.
+//!
+//! Source: L. Brickman, On the field of values of a matrix, Proc. Amer. Math. Soc. 12 (1961) 61–66.
+
+use super::unit_vectors::tangent_vectors;
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+/// Excess of an eigenvalue of M over μ that counts as rounding, relative to the size of M.
+const CERTIFICATE_TOLERANCE: f64 = 1e-12;
+/// Maximum length of a Newton step, rad.
+const MAX_STEP: f64 = 0.5;
+/// Length of the last Newton step, rad: the value is then accurate to rounding.
+const LAST_STEP: f64 = 1e-9;
+
+/// The secular function at a fixed λ as a form on the sphere.
+pub(super) struct SecularForm<'a> {
+    /// Matrix P.
+    pub(super) quadratic: Matrix3<f64>,
+    /// Factors q ≥ 0 and r ≥ 0 of the squares of the forms S and E.
+    pub(super) factors: [f64; 2],
+    /// Symmetric matrices S and E.
+    pub(super) squared: &'a [Matrix3<f64>; 2],
+}
+
+/// Maximum of a [`SecularForm`].
+pub(super) struct SecularMaximum {
+    pub(super) normal: Vector3<f64>,
+    pub(super) value: f64,
+    /// Whether the certificate proves that no other direction has a larger value.
+    pub(super) is_global: bool,
+}
+
+/// Derivatives of a [`SecularForm`] in the tangent plane at a wave normal.
+struct TangentDerivatives {
+    tangents: [Vector3<f64>; 2],
+    /// Half the gradient.
+    gradient: Vector2<f64>,
+    /// Half the second derivatives.
+    hessian: Matrix2<f64>,
+    /// M − μI in the tangent plane.
+    excess: Matrix2<f64>,
+}
+
+impl SecularForm<'_> {
+    /// The size of the numbers in the form.
+    pub(super) fn size(&self) -> f64 {
+        let [q, r] = self.factors;
+        let [s, e] = self.squared.each_ref().map(Matrix3::norm_squared);
+        self.quadratic.norm() + q * s + r * e
+    }
+
+    /// Value at the unit vector `normal`.
+    fn evaluate(&self, normal: &Vector3<f64>) -> f64 {
+        let mut value = normal.dot(&(self.quadratic * normal));
+        for (matrix, factor) in self.squared.iter().zip(self.factors) {
+            let form = normal.dot(&(matrix * normal));
+            value -= factor * form * form;
+        }
+        value
+    }
+
+    fn differentiate(&self, normal: &Vector3<f64>) -> TangentDerivatives {
+        let images = self.squared.each_ref().map(|matrix| matrix * normal);
+        let mut linearised = self.quadratic;
+        for ((matrix, image), factor) in self.squared.iter().zip(&images).zip(self.factors) {
+            linearised -= matrix * (2.0 * factor * normal.dot(image));
+        }
+        let tangents = tangent_vectors(&(*normal).into()).map(Vector3::from);
+        let image = linearised * normal;
+        let multiplier = normal.dot(&image);
+        let in_plane = |vector: &Vector3<f64>| Vector2::from(tangents.map(|t| t.dot(vector)));
+        let [first, second] = tangents.map(|tangent| in_plane(&(linearised * tangent)));
+        let excess = Matrix2::new(
+            first[0] - multiplier,
+            0.5 * (first[1] + second[0]),
+            0.5 * (first[1] + second[0]),
+            second[1] - multiplier,
+        );
+        let mut hessian = excess;
+        for (image, factor) in images.iter().zip(self.factors) {
+            let slope = in_plane(image);
+            hessian -= slope * slope.transpose() * (4.0 * factor);
+        }
+        TangentDerivatives { tangents, gradient: in_plane(&image), hessian, excess }
+    }
+
+    /// Local maximum by Newton's method from the unit vector `start`, with steps uphill where the form is convex.
+    fn climb(&self, start: Vector3<f64>, size: f64) -> (Vector3<f64>, f64) {
+        let (mut normal, mut value) = (start, self.evaluate(&start));
+        for _ in 0..60 {
+            let TangentDerivatives { tangents, gradient, hessian, .. } =
+                self.differentiate(&normal);
+            let (curvatures, axes) = diagonalise(&hessian);
+            let mut step = Vector2::zeros();
+            for (curvature, axis) in curvatures.into_iter().zip(axes) {
+                step += axis * (axis.dot(&gradient) / curvature.abs().max(1e-9 * size));
+            }
+            let mut length = step.norm();
+            if length > MAX_STEP {
+                step *= MAX_STEP / length;
+                length = MAX_STEP;
+            }
+            let (before, mut is_higher) = (value, false);
+            while !is_higher && length > 0.1 * LAST_STEP {
+                let next = (normal + tangents[0] * step[0] + tangents[1] * step[1]).normalize();
+                let next_value = self.evaluate(&next);
+                // At the maximum the values differ by rounding only; the Newton step is still an improvement.
+                is_higher =
+                    next_value > before || (length < 1e-5 && next_value >= before - 1e-15 * size);
+                if is_higher {
+                    (normal, value) = (next, next_value);
+                } else {
+                    step *= 0.25;
+                    length *= 0.25;
+                }
+            }
+            if !is_higher || length <= LAST_STEP {
+                break;
+            }
+        }
+        (normal, value)
+    }
+
+    /// Maximum from the unit vector `start`: climbs, and continues from the circle in which the certificate is violated
+    /// most.
+    pub(super) fn maximise(&self, start: Vector3<f64>) -> SecularMaximum {
+        const ANGLES: usize = 16;
+        let size = self.size();
+        let (mut normal, mut value) = self.climb(start, size);
+        for _ in 0..4 {
+            let TangentDerivatives { tangents, excess, .. } = self.differentiate(&normal);
+            let (excesses, axes) = diagonalise(&excess);
+            let largest = usize::from(excesses[1] > excesses[0]);
+            if excesses[largest] <= CERTIFICATE_TOLERANCE * size {
+                return SecularMaximum { normal, value, is_global: true };
+            }
+            let axis = tangents[0] * axes[largest][0] + tangents[1] * axes[largest][1];
+            // Unit vectors at equal angles, by rotation.
+            let (cosine, sine) = (0.980_785_280_403_230_4, 0.195_090_322_016_128_25);
+            let (mut along, mut across) = (1.0, 0.0);
+            let mut best = (normal, value + 1e-14 * size);
+            for _ in 1..ANGLES {
+                (along, across) = (cosine * along - sine * across, sine * along + cosine * across);
+                let point = (normal * along + axis * across).normalize();
+                let there = self.evaluate(&point);
+                if there > best.1 {
+                    best = (point, there);
+                }
+            }
+            let next = if best.0 == normal { continue_beside(&normal, &axis) } else { best.0 };
+            let found = self.climb(next, size);
+            if found.1 <= value + 1e-14 * size {
+                break;
+            }
+            (normal, value) = found;
+        }
+        SecularMaximum { normal, value, is_global: false }
+    }
+}
+
+/// A unit vector at 0.1 rad from `normal` towards `axis`.
+fn continue_beside(normal: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
+    (normal + axis * 0.1).normalize()
+}
+
+/// Eigenvalues and orthonormal eigenvectors of a symmetric 2 × 2 matrix.
+fn diagonalise(matrix: &Matrix2<f64>) -> ([f64; 2], [Vector2<f64>; 2]) {
+    let (first, second, entry) = (matrix[(0, 0)], matrix[(1, 1)], matrix[(0, 1)]);
+    if entry == 0.0 {
+        return ([first, second], [Vector2::x(), Vector2::y()]);
+    }
+    let ratio = (second - first) / (2.0 * entry);
+    let tangent = ratio.signum() / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
+    let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+    let sine = tangent * cosine;
+    (
+        [first - tangent * entry, second + tangent * entry],
+        [Vector2::new(cosine, -sine), Vector2::new(sine, cosine)],
+    )
+}
