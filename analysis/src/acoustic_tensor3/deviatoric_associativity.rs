@@ -1,5 +1,4 @@
-//! Slowest wave and absence of flutter in closed form or with a certificate, for deviatorically associated flow of
-//! isotropic solids.
+//! Absence of flutter and slowest wave by forms over the sphere, for deviatorically associated flow of isotropic solids.
 //!
 //! The sets of von Mises, Drucker and Prager, and their Cosserat counterparts, have a normal and a flow direction that
 //! differ by a multiple of the unit tensor in the force stress only. Then, with T and C constant matrices, tr T = 0,
@@ -14,8 +13,8 @@
 //! speeds c_g² do not depend on ν. Only w_p may be negative; −w_p is at most N, the maximum of a quadratic over the
 //! range of d, which is that of the principal values of the symmetric part of T.
 //!
-//! **Flutter.** All speeds are real if N = 0 or no faster wave has a weight (see the
-//! [module above](super#)), as without couple stress. Else let c² be the squared speed of the slowest wave faster than
+//! **Flutter.** All speeds are real if N = 0 or no wave faster than c_p has a weight: the signs of the weights in the order
+//! of the poles then change only once. Else let c² be the squared speed of the slowest wave faster than
 //! c_p. With c_p² < λ < c² and F(λ) = Σ w_g/(c_g² − λ), F ≤ 1 proves that two roots are real, in intervals beside λ,
 //! and the others are real by the signs at the poles. This holds in all directions at one λ if √N + √V ≤ √(c² − c_p²)
 //! with V = κ|C|² ≥ w_m + w_w, since N/(λ − c_p²) + V/(c² − λ) has the minimum (√N + √V)²/(c² − c_p²); or, more sharply,

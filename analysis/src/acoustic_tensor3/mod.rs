@@ -24,8 +24,10 @@
 //! solid whose m and n differ by an isotropic tensor only (Drucker–Prager) has w ≥ 0 on the shear waves, which are the
 //! slower ones: no flutter either (Loret, Prevost & Harireche 1990).
 //!
+//! [Forms over the sphere](deviatoric_associativity) with a certificate decide isotropic solids in which m and n differ by
+//! an isotropic tensor, unless flutter is near. For any other solid a search decides.
 //! The search starts on a geodesic grid ([`AcousticTensor3::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
-//! computed once per elastic solid, and ends with Newton's method in the tangent plane. Short waves grow
+//! computed once per anisotropic elastic solid, and ends with Newton's method in the tangent plane. Short waves grow
 //! as Re ς ≈ |Im c| k.
 //!
 //! Sources: J. W. Rudnicki & J. R. Rice, J. Mech. Phys. Solids 23 (1975) 371–394; J. R. Rice, The

@@ -138,8 +138,8 @@ impl SecularForm<'_> {
         (normal, value)
     }
 
-    /// Maximum from the unit vector `start`: climbs, and continues from the circle in which the certificate is violated
-    /// most.
+    /// Maximum from the unit vector `start`: climbs, and climbs again from the highest point of the circle along which the
+    /// certificate is violated most.
     pub(super) fn maximise(&self, start: Vector3<f64>) -> SecularMaximum {
         const ANGLES: usize = 16;
         let size = self.size();
@@ -164,20 +164,13 @@ impl SecularForm<'_> {
                     best = (point, there);
                 }
             }
-            let next = if best.0 == normal { continue_beside(&normal, &axis) } else { best.0 };
-            let found = self.climb(next, size);
-            if found.1 <= value + 1e-14 * size {
+            if best.0 == normal {
                 break;
             }
-            (normal, value) = found;
+            (normal, value) = self.climb(best.0, size);
         }
         SecularMaximum { normal, value, is_global: false }
     }
-}
-
-/// A unit vector at 0.1 rad from `normal` towards `axis`.
-fn continue_beside(normal: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
-    (normal + axis * 0.1).normalize()
 }
 
 /// Eigenvalues and orthonormal eigenvectors of a symmetric 2 × 2 matrix.

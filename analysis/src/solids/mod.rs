@@ -6,8 +6,8 @@ mod plane_waves;
 mod speeds;
 
 pub use assessment::{
-    AcousticTensorCache, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, SYMMETRIC_ROUTE, SolidAssessment,
-    SolidAssessor,
+    AcousticTensorCache, Hyperbolicity, PLANE_ROUTE, SPACE_FORM_ROUTE, SPACE_ROUTE,
+    SPACE_SEARCH_ROUTE, SYMMETRIC_ROUTE, SolidAssessment, SolidAssessor,
 };
 pub use branches::{BranchGroup, BranchPoint, group_branches};
 pub use plane_waves::{directional_waves, growth_rate, plane_wave_roots};

@@ -95,6 +95,13 @@ fn compare_with_brute_force(
     if growth > 0.0 {
         worst[1] = worst[1].max(difference.abs());
     }
+    if let Some(certified) = tensor.certified_extremes(update).unwrap() {
+        let own = &certified.slowest;
+        assert!(growth == 0.0, "certified without flutter, brute force {growth:e}");
+        let difference = (own.squared_speed - least) / unit;
+        assert!(difference.abs() < 1e-9, "{own:?}, brute force {least:e} at {:?}", slowest.0);
+        assert!(nearest(own.normal, own.squared_speed, 0.0) < 1e-6, "{own:?}");
+    }
     found.flutter.is_some()
 }
 

@@ -93,6 +93,84 @@ fn certified_extremes_of_many_solids_agree_with_the_search() {
     compare_with_search(100);
 }
 
+/// The least c² of a classical solid by formulas in principal stresses: in the plane of the greatest and the least
+/// deviator s₁ and s₃, waves have w_p = k (d + a)(d + b) and w_s = k (s₁ − d)(d − s₃), with d = ν·sν and factors from the
+/// definitions of D, n and m. Returns the least root over a million values of d.
+fn least_squared_speed_in_plane(solid: &Isotropic, set: &Mises, principal: [f64; 3]) -> f64 {
+    let mean = principal.iter().sum::<f64>() / 3.0;
+    let s = principal.map(|x| x - mean);
+    let shear = (0.5 * s.iter().map(|x| x * x).sum::<f64>()).sqrt();
+    let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
+    let response = set.hardening + solid.mu + bulk * set.friction * set.dilatancy;
+    // α = (μ s/τ + K κ̂)ν/(H + n·Dm), β = (μ s/τ + K κ)ν.
+    let [high, low] = [f64::max, f64::min].map(|pick| s.into_iter().reduce(pick).unwrap());
+    let [high, low] = [high, low].map(|x| solid.mu * x / shear);
+    let (c_p, c_s) = ((solid.lambda + 2.0 * solid.mu) / solid.density, solid.mu / solid.density);
+    let scale = 1.0 / (response * solid.density);
+    let root_at = |share: f64| {
+        let d = low + share * (high - low);
+        let along = scale * (d + bulk * set.dilatancy) * (d + bulk * set.friction);
+        let across = scale * (high - d) * (d - low);
+        let (first, second) = (c_p - along, c_s - across);
+        let half = 0.5 * (first - second);
+        0.5 * (first + second) - (half * half + along * across).sqrt()
+    };
+    let samples = 1000;
+    let (mut low_share, mut high_share) = (0.0, 1.0);
+    let mut least = f64::INFINITY;
+    for _ in 0..6 {
+        let step = (high_share - low_share) / f64::from(samples);
+        let at = |i: i32| low_share + step * f64::from(i);
+        let best =
+            (0..=samples).min_by(|&i, &j| root_at(at(i)).total_cmp(&root_at(at(j)))).unwrap();
+        least = root_at(at(best));
+        (low_share, high_share) =
+            ((at(best) - 2.0 * step).max(0.0), (at(best) + 2.0 * step).min(1.0));
+    }
+    least
+}
+
+#[test]
+fn slowest_waves_of_classical_solids_are_in_the_plane_of_extreme_stresses() {
+    let random = &mut seeded_generator(22);
+    let mut worst: f64 = 0.0;
+    for case in 0..300 {
+        let solid = random_isotropic(random, false);
+        let tensor = AcousticTensor3::new(&solid.rates()).unwrap();
+        let mut principal = [0.0; 3].map(|_: f64| random.uniform(-1.0, 1.0));
+        match case % 4 {
+            1 => principal[2] = principal[1],
+            2 => principal = principal.map(|x| 1e-5 * x - 1.0),
+            _ => {}
+        }
+        let axes = random_rotation(random);
+        let mut force = [[0.0; 3]; 3];
+        (0..3).for_each(|axis| force[axis][axis] = principal[axis]);
+        let stress = Stress { force: rotate_tensor(&axes, &force), couple: [[0.0; 3]; 3] };
+        let set = Mises {
+            hardening: random.uniform(-0.4, 0.4) * solid.mu,
+            ..Mises::new_drucker_prager(1.0, random.uniform(0.0, 1.5), random.uniform(-0.5, 1.5))
+        };
+        let Ok(update) = rank_one_update(&solid, &set.condition(&stress).unwrap()) else {
+            continue;
+        };
+        let found = tensor.certified_extremes(&update).unwrap().expect("always decided");
+        let fastest = (solid.lambda + 2.0 * solid.mu) / solid.density;
+        let expected = least_squared_speed_in_plane(&solid, &set, principal);
+        let difference = (found.slowest.squared_speed - expected).abs() / fastest;
+        worst = worst.max(difference);
+        assert!(difference < 1e-10, "{difference:e}: {found:?}, {expected:e}, {principal:?}");
+        // The wave normal is perpendicular to the axis of the middle principal stress.
+        if case % 4 != 1 {
+            let mut order = [0, 1, 2];
+            order.sort_by(|&i, &j| principal[i].total_cmp(&principal[j]));
+            let middle: f64 = (0..3).map(|i| axes[i][order[1]] * found.slowest.normal[i]).sum();
+            assert!(middle.abs() < 1e-6, "{middle:e}: {found:?}, {principal:?}");
+        }
+    }
+    println!("worst {worst:e}");
+}
+
 /// Checks `count` random solids of each kind, each with 12 yield sets.
 fn compare_with_search(count: usize) {
     let random = &mut seeded_generator(21);
