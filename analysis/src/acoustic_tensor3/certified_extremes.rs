@@ -6,6 +6,7 @@ use super::error::NormalSearchError;
 use super::extremes::WaveExtremes;
 use super::rank_one::RankOneUpdate;
 use super::search::NormalSearchWorkspace;
+use super::tensor_update::TensorUpdate;
 
 /// Method by which extremes over all wave normals were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,9 +18,9 @@ pub enum ExtremesMethod {
 }
 
 impl AcousticTensor3 {
-    /// Strongest flutter and slowest real wave over all directions:
-    /// [`certified_extremes`](Self::certified_extremes), or [`search_extremes`](Self::search_extremes) if it is
-    /// undecided.
+    /// Strongest flutter and slowest real wave over all directions: by [`certified_extremes`](Self::certified_extremes);
+    /// if undecided, by [`search_extremes`](Self::search_extremes), which then searches flutter only if the slowest wave
+    /// is proved.
     ///
     /// # Errors
     /// A vector has the wrong length or is not finite.
@@ -28,9 +29,14 @@ impl AcousticTensor3 {
         update: &RankOneUpdate,
         workspace: &mut NormalSearchWorkspace,
     ) -> Result<(WaveExtremes, ExtremesMethod), NormalSearchError> {
-        Ok(match self.certified_extremes(update)? {
-            Some(extremes) => (extremes, ExtremesMethod::Certified),
-            None => (self.search_extremes(update, workspace)?, ExtremesMethod::Search),
+        let update = self.project_update(update)?;
+        Ok(match self.decide_by_forms(&update) {
+            (Some(slowest), true) => {
+                (self.scale_extremes(&update, slowest, None), ExtremesMethod::Certified)
+            }
+            (slowest, _) => {
+                (self.search_projected(&update, slowest, workspace), ExtremesMethod::Search)
+            }
         })
     }
 
@@ -45,13 +51,16 @@ impl AcousticTensor3 {
         update: &RankOneUpdate,
     ) -> Result<Option<WaveExtremes>, NormalSearchError> {
         let update = self.project_update(update)?;
-        let Some(waves) = &self.isotropic else { return Ok(None) };
-        let slowest = AssociatedDeviators::new(waves, &update)
-            .filter(AssociatedDeviators::excludes_flutter)
-            .and_then(|form| form.slowest_wave());
-        Ok(slowest.map(|(normal, value)| WaveExtremes {
-            flutter: None,
-            slowest: self.scale_slowest(&update, normal, value),
-        }))
+        let (slowest, excludes_flutter) = self.decide_by_forms(&update);
+        let certain = slowest.filter(|_| excludes_flutter);
+        Ok(certain.map(|slowest| self.scale_extremes(&update, slowest, None)))
+    }
+
+    /// Slowest wave (normal, c²), if proved, and whether it is proved that there is no flutter.
+    fn decide_by_forms(&self, update: &TensorUpdate) -> (Option<([f64; 3], f64)>, bool) {
+        let form = self.isotropic.as_ref().and_then(|own| AssociatedDeviators::new(own, update));
+        let Some(form) = form else { return (None, false) };
+        let excludes_flutter = form.excludes_flutter();
+        (form.slowest_wave(excludes_flutter), excludes_flutter)
     }
 }

@@ -20,12 +20,13 @@
 //! with V = κ|C|² ≥ w_m + w_w, since N/(λ − c_p²) + V/(c² − λ) has the minimum (√N + √V)²/(c² − c_p²); or, more sharply,
 //! if the [maximum of F over the sphere](super::secular_form) is below 1.
 //!
-//! **Slowest wave.** Below all c_g² the smallest eigenvalue of a direction is the smallest root of F(λ) = 1. It is the
-//! only one if all speeds are real for one of the first two reasons. In general, F′ > 0 wherever F ≥ 1 and (c_p² − λ)² >
-//! N (c_max² − c_p²): there Σ' w_g/(c_g² − λ)² ≥ (1 + |w_p|/(c_p² − λ))/(c_max² − λ) over the positive weights. Hence, if
-//! this inequality and F ≤ 1 hold at λ* in all directions, no direction has a root below λ*. The least root λ* over all
-//! directions is that of max F = 1, found by Dinkelbach's iteration: λ ← root in the direction ν that maximises F at the
-//! last λ (W. Dinkelbach, Management Science 13 (1967) 492–498).
+//! **Slowest wave.** Below all c_g² the smallest eigenvalue of a direction is the smallest root of F(λ) = 1. The number of
+//! roots there is odd. It is one if the speeds are proved real as above, since counting by the signs at the poles leaves
+//! no further roots. It is one as well if F′ > 0 wherever F ≥ 1, which holds for (c_p² − λ)² > N (c_max² − c_p²): over
+//! the positive weights, Σ w_g/(c_g² − λ)² ≥ (1 + |w_p|/(c_p² − λ))/(c_max² − λ) there. So F ≤ 1 at λ* in all directions
+//! proves that no direction has a root below λ*. The least root λ* over all directions is that of max F = 1, found by
+//! Dinkelbach's iteration: λ ← root in the direction ν that maximises F at the last λ (W. Dinkelbach, Management
+//! Science 13 (1967) 492–498).
 //!
 //! Without couple stress and with symmetric T the maximum is in the plane of the greatest and the least principal value
 //! d₁ and d₃ of T, since for given d the largest w_s is κ(d₁ − d)(d − d₃). F is then a quadratic in d with the maximum at
@@ -205,8 +206,9 @@ impl<'a> AssociatedDeviators<'a> {
         })
     }
 
-    /// Slowest wave over all directions (normal, c²); `None` if the certificate is missing.
-    pub(super) fn slowest_wave(&self) -> Option<([f64; 3], f64)> {
+    /// Slowest wave over all directions (normal, c²); `None` if the certificate is missing. `excludes_flutter` states
+    /// that [all speeds are real](Self::excludes_flutter).
+    pub(super) fn slowest_wave(&self, excludes_flutter: bool) -> Option<([f64; 3], f64)> {
         let lowest = self.squared_speeds.into_iter().fold(f64::INFINITY, f64::min);
         let root_at = |normal: &Vector3<f64>| {
             self.waves
@@ -232,21 +234,20 @@ impl<'a> AssociatedDeviators<'a> {
                 (normal, lambda) = (found.normal, next);
             }
             if !is_lower {
-                return (found.is_global && self.has_no_smaller_root(lambda))
-                    .then(|| (normal.into(), lambda));
+                let is_least = excludes_flutter || self.has_increasing_function_below(lambda);
+                return (found.is_global && is_least).then(|| (normal.into(), lambda));
             }
         }
         None
     }
 
-    /// Whether max F ≤ 1 at λ proves that no direction has a smaller eigenvalue.
-    fn has_no_smaller_root(&self, lambda: f64) -> bool {
+    /// Whether F′ > 0 below λ wherever F ≥ 1, in all directions.
+    fn has_increasing_function_below(&self, lambda: f64) -> bool {
         let longitudinal = self.squared_speeds[0];
         let finite = self.squared_speeds.into_iter().filter(|c| c.is_finite());
         let room = finite.fold(0.0, f64::max) - longitudinal;
         let distance = longitudinal - lambda;
-        room <= MARGIN * longitudinal
-            || distance * distance > (1.0 + MARGIN) * self.max_negative_weight * room
+        distance * distance > (1.0 + MARGIN) * self.max_negative_weight * room
     }
 
     /// The direction of the slowest wave without couple stress and antisymmetric stress.

@@ -24,10 +24,8 @@ impl AcousticTensor3 {
     /// Creates a workspace for [`search_extremes`](Self::search_extremes); use one per thread.
     pub fn new_workspace(&self) -> NormalSearchWorkspace {
         let count = self.grid().coarse_points.len();
-        let none =
-            SecularRoots { smallest_real: f64::INFINITY, critical_pair: None, is_complex: false };
         NormalSearchWorkspace {
-            coarse_roots: vec![none; count],
+            coarse_roots: vec![SecularRoots::NONE; count],
             squared_growth: vec![f64::NEG_INFINITY; count],
         }
     }
@@ -46,7 +44,17 @@ impl AcousticTensor3 {
         update: &RankOneUpdate,
         workspace: &mut NormalSearchWorkspace,
     ) -> Result<WaveExtremes, NormalSearchError> {
-        let tensor_update = self.project_update(update)?;
+        Ok(self.search_projected(&self.project_update(update)?, None, workspace))
+    }
+
+    /// [`search_extremes`](Self::search_extremes) for projected vectors; of flutter only, if the slowest wave (normal, c²
+    /// in the unit of stored speeds) is known.
+    pub(super) fn search_projected(
+        &self,
+        tensor_update: &TensorUpdate,
+        slowest: Option<([f64; 3], f64)>,
+        workspace: &mut NormalSearchWorkspace,
+    ) -> WaveExtremes {
         let grid = self.grid();
         if workspace.coarse_roots.len() != grid.coarse_points.len() {
             *workspace = self.new_workspace();
@@ -58,47 +66,51 @@ impl AcousticTensor3 {
             let index = grid.coarse_points[place] as usize;
             let normal = &grid.normals[index];
             let secular = match &self.isotropic {
-                Some(waves) => waves.secular_equation_at(&tensor_update, normal),
+                Some(waves) => waves.secular_equation_at(tensor_update, normal),
                 None => tensor_update.secular_equation_at(
                     normal,
                     &grid.eigenbasis_at(index),
                     &grid.groups[index],
                 ),
             };
-            *roots = secular.solve_roots();
+            *roots = match slowest.is_some() && secular.is_far_from_flutter() {
+                true => SecularRoots::NONE,
+                false => secular.solve_roots(),
+            };
             *growth = roots.critical_pair.map_or(f64::NEG_INFINITY, |pair| pair.squared_growth());
         }
 
-        let mut best = ScaledExtremes { slowest: (grid.normals[0], f64::INFINITY), flutter: None };
-        self.refine_coarse_extremes(&tensor_update, coarse_roots, squared_growth, &mut best);
-        self.search_fine_grid(&tensor_update, coarse_roots, &mut best);
-
-        let (normal, value) = best.slowest;
-        Ok(WaveExtremes {
-            flutter: best.flutter.map(|(normal, pair)| Flutter {
-                max_imaginary_speed: (self.squared_speed_unit * pair.squared_growth()).sqrt(),
-                squared_speed: Complex64::new(pair.mean, (-pair.squared_half_difference).sqrt())
-                    * self.squared_speed_unit,
-                normal,
-            }),
-            slowest: self.scale_slowest(&tensor_update, normal, value),
-        })
+        let mut best = ScaledExtremes {
+            slowest: slowest.unwrap_or((grid.normals[0], f64::INFINITY)),
+            seeks_slowest: slowest.is_none(),
+            flutter: None,
+        };
+        self.refine_coarse_extremes(tensor_update, coarse_roots, squared_growth, &mut best);
+        self.search_fine_grid(tensor_update, coarse_roots, &mut best);
+        self.scale_extremes(tensor_update, best.slowest, best.flutter)
     }
 
-    /// Slowest wave in the units of speeds, with its rounding, from `value` in the unit of stored speeds.
-    pub(super) fn scale_slowest(
+    /// Extremes in the units of speeds, from the slowest wave (normal, c²) and the strongest flutter in the unit of
+    /// stored speeds.
+    pub(super) fn scale_extremes(
         &self,
         update: &TensorUpdate,
-        normal: [f64; 3],
-        value: f64,
-    ) -> SlowestSpeed {
-        SlowestSpeed {
-            squared_speed: value * self.squared_speed_unit,
-            normal,
-            rounding: 64.0
-                * f64::EPSILON
-                * (1.0 + update.max_norm_product)
-                * self.squared_speed_unit,
+        (normal, value): ([f64; 3], f64),
+        flutter: Option<([f64; 3], EigenvaluePair)>,
+    ) -> WaveExtremes {
+        let unit = self.squared_speed_unit;
+        WaveExtremes {
+            flutter: flutter.map(|(normal, pair)| Flutter {
+                max_imaginary_speed: (unit * pair.squared_growth()).sqrt(),
+                squared_speed: Complex64::new(pair.mean, (-pair.squared_half_difference).sqrt())
+                    * unit,
+                normal,
+            }),
+            slowest: SlowestSpeed {
+                squared_speed: value * unit,
+                normal,
+                rounding: 64.0 * f64::EPSILON * (1.0 + update.max_norm_product) * unit,
+            },
         }
     }
 
@@ -123,12 +135,10 @@ impl AcousticTensor3 {
                 (least, if own > squared_growth[most] { place } else { most })
             },
         );
-        self.refine_slowest(
-            tensor_update,
-            grid.coarse_points[least] as usize,
-            COARSE_SUBDIVISIONS,
-            best,
-        );
+        if best.seeks_slowest {
+            let point = grid.coarse_points[least] as usize;
+            self.refine_slowest(tensor_update, point, COARSE_SUBDIVISIONS, best);
+        }
         if coarse_roots[most].critical_pair.is_some() {
             self.refine_flutter(
                 tensor_update,
@@ -145,7 +155,11 @@ impl AcousticTensor3 {
             let (lowest, highest) = min_and_max(
                 neighbour_values.iter().map(|&i| coarse_roots[i as usize].smallest_real),
             );
-            if place != least && own <= lowest && own - 2.0 * (highest - own) < best.slowest.1 {
+            if best.seeks_slowest
+                && place != least
+                && own <= lowest
+                && own - 2.0 * (highest - own) < best.slowest.1
+            {
                 self.refine_slowest(
                     tensor_update,
                     grid.coarse_points[place] as usize,
@@ -206,6 +220,9 @@ impl AcousticTensor3 {
                     is_above[lane] |= values[lane] <= target;
                 }
             }
+            if !best.seeks_slowest {
+                (sides, is_above) = ([1.0; LANES], [false; LANES]);
+            }
             for lane in 0..LANES {
                 flags[lane] = (lowest[lane] < 0.0) | (sides[lane] < 0.0) | is_above[lane];
             }
@@ -214,19 +231,23 @@ impl AcousticTensor3 {
                 if place >= grid.normals.len() {
                     continue;
                 }
+                let seeks_slower = sides[lane] < 0.0 || is_above[lane];
+                let parent = &coarse_roots[grid.coarse_parents[place] as usize];
+                if parent.is_complex && !seeks_slower {
+                    continue;
+                }
                 let own: [f64; MAX_VELOCITIES] = std::array::from_fn(|k| products[k][lane]);
                 let secular = assemble_secular_equation(
                     &grid.groups[place],
                     &own[..self.velocity_count],
                     thresholds[lane],
                 );
-                if sides[lane] < 0.0 || is_above[lane] {
+                if seeks_slower {
                     let least = secular.solve_roots().smallest_real;
                     if least < best.slowest.1 - 1e-12 {
                         self.refine_slowest(tensor_update, place, FINE_SUBDIVISIONS, best);
                     }
                 }
-                let parent = &coarse_roots[grid.coarse_parents[place] as usize];
                 if parent.is_complex || secular.pole_count < 2 || secular.sign_changes() < 3 {
                     continue;
                 }
@@ -375,10 +396,12 @@ fn insert_strongest(list: &mut [(usize, f64)], own: (usize, f64), coarse_parents
     }
 }
 
-/// Slowest wave (normal, c²) and strongest flutter (normal, eigenvalue pair) found so far, in scaled units.
+/// Slowest wave (normal, c²) and strongest flutter (normal, eigenvalue pair) known so far, in scaled units.
 struct ScaledExtremes {
-    pub(super) slowest: ([f64; 3], f64),
-    pub(super) flutter: Option<([f64; 3], EigenvaluePair)>,
+    slowest: ([f64; 3], f64),
+    /// Whether the slowest wave is unknown.
+    seeks_slowest: bool,
+    flutter: Option<([f64; 3], EigenvaluePair)>,
 }
 
 /// Minimum and maximum of `values`.

@@ -32,6 +32,12 @@ pub(super) struct SecularRoots {
     pub(super) is_complex: bool,
 }
 
+impl SecularRoots {
+    /// No eigenvalue.
+    pub(super) const NONE: Self =
+        Self { smallest_real: f64::INFINITY, critical_pair: None, is_complex: false };
+}
+
 impl EigenvaluePair {
     /// (Im c)² = (|λ| − Re λ)/2 of a complex pair λ = c², and its continuation to real pairs of positive `mean`, where
     /// it is not positive. Real pairs whose `mean` is not positive do not flutter: −`squared_half_difference` is
@@ -59,6 +65,13 @@ impl SecularEquation {
             mean: 0.5 * (first + second),
             squared_half_difference: half * half + self.weights[0] * self.weights[1],
         }
+    }
+
+    /// Whether all eigenvalues are real here and in neighbouring directions of the coarse grid, by the signs of the
+    /// weights.
+    pub(super) fn is_far_from_flutter(&self) -> bool {
+        let slight = SLIGHT_WEIGHT * self.max_magnitude();
+        self.sign_changes() == 1 && self.weights[..self.pole_count].iter().all(|w| w.abs() > slight)
     }
 
     /// Computes the smallest real eigenvalue and the critical pair.
