@@ -19,8 +19,7 @@ pub enum ExtremesMethod {
 
 impl AcousticTensor3 {
     /// Strongest flutter and slowest real wave over all directions: by [`certified_extremes`](Self::certified_extremes);
-    /// if undecided, by [`search_extremes`](Self::search_extremes), which then searches flutter only if the slowest wave
-    /// is proved.
+    /// if undecided, by [`search_extremes`](Self::search_extremes), limited to the directions that the forms leave open.
     ///
     /// # Errors
     /// A vector has the wrong length or is not finite.
@@ -56,11 +55,10 @@ impl AcousticTensor3 {
         Ok(certain.map(|slowest| self.scale_extremes(&update, slowest, None)))
     }
 
-    /// Slowest wave (normal, c²), if proved, and whether it is proved that there is no flutter.
+    /// The wave (normal, c²) at whose c² the maximum of the secular function over all directions is proved to be 1, and
+    /// whether it is proved that there is no flutter.
     fn decide_by_forms(&self, update: &TensorUpdate) -> (Option<([f64; 3], f64)>, bool) {
         let form = self.isotropic.as_ref().and_then(|own| AssociatedDeviators::new(own, update));
-        let Some(form) = form else { return (None, false) };
-        let excludes_flutter = form.excludes_flutter();
-        (form.slowest_wave(excludes_flutter), excludes_flutter)
+        form.map_or((None, false), |form| (form.slowest_wave(), form.excludes_flutter()))
     }
 }

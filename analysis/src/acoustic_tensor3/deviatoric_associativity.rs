@@ -21,12 +21,10 @@
 //! if the [maximum of F over the sphere](super::secular_form) is below 1.
 //!
 //! **Slowest wave.** Below all c_g² the smallest eigenvalue of a direction is the smallest root of F(λ) = 1. The number of
-//! roots there is odd. It is one if the speeds are proved real as above, since counting by the signs at the poles leaves
-//! no further roots. It is one as well if F′ > 0 wherever F ≥ 1, which holds for (c_p² − λ)² > N (c_max² − c_p²): over
-//! the positive weights, Σ w_g/(c_g² − λ)² ≥ (1 + |w_p|/(c_p² − λ))/(c_max² − λ) there. So F ≤ 1 at λ* in all directions
-//! proves that no direction has a root below λ*. The least root λ* over all directions is that of max F = 1, found by
-//! Dinkelbach's iteration: λ ← root in the direction ν that maximises F at the last λ (W. Dinkelbach, Management
-//! Science 13 (1967) 492–498).
+//! roots there is odd. It is one with a single change of sign, and in all directions if the speeds are proved real as
+//! above, since counting by the signs at the poles leaves no further roots. F ≤ 1 at λ* then proves that the direction
+//! has no root below λ*. The least root λ* over all directions is that of max F = 1, found by Dinkelbach's iteration: λ
+//! ← root in the direction ν that maximises F at the last λ (W. Dinkelbach, Management Science 13 (1967) 492–498).
 //!
 //! Without couple stress and with symmetric T the maximum is in the plane of the greatest and the least principal value
 //! d₁ and d₃ of T, since for given d the largest w_s is κ(d₁ − d)(d − d₃). F is then a quadratic in d with the maximum at
@@ -206,9 +204,9 @@ impl<'a> AssociatedDeviators<'a> {
         })
     }
 
-    /// Slowest wave over all directions (normal, c²); `None` if the certificate is missing. `excludes_flutter` states
-    /// that [all speeds are real](Self::excludes_flutter).
-    pub(super) fn slowest_wave(&self, excludes_flutter: bool) -> Option<([f64; 3], f64)> {
+    /// The wave (normal, c²) at whose c² the maximum of F over all directions is proved to be 1; `None` if the certificate
+    /// is missing. If [all speeds are real](Self::excludes_flutter), it is the slowest wave over all directions.
+    pub(super) fn slowest_wave(&self) -> Option<([f64; 3], f64)> {
         let lowest = self.squared_speeds.into_iter().fold(f64::INFINITY, f64::min);
         let root_at = |normal: &Vector3<f64>| {
             self.waves
@@ -234,20 +232,10 @@ impl<'a> AssociatedDeviators<'a> {
                 (normal, lambda) = (found.normal, next);
             }
             if !is_lower {
-                let is_least = excludes_flutter || self.has_increasing_function_below(lambda);
-                return (found.is_global && is_least).then(|| (normal.into(), lambda));
+                return found.is_global.then(|| (normal.into(), lambda));
             }
         }
         None
-    }
-
-    /// Whether F′ > 0 below λ wherever F ≥ 1, in all directions.
-    fn has_increasing_function_below(&self, lambda: f64) -> bool {
-        let longitudinal = self.squared_speeds[0];
-        let finite = self.squared_speeds.into_iter().filter(|c| c.is_finite());
-        let room = finite.fold(0.0, f64::max) - longitudinal;
-        let distance = longitudinal - lambda;
-        distance * distance > (1.0 + MARGIN) * self.max_negative_weight * room
     }
 
     /// The direction of the slowest wave without couple stress and antisymmetric stress.

@@ -47,8 +47,9 @@ impl AcousticTensor3 {
         Ok(self.search_projected(&self.project_update(update)?, None, workspace))
     }
 
-    /// [`search_extremes`](Self::search_extremes) for projected vectors; of flutter only, if the slowest wave (normal, c²
-    /// in the unit of stored speeds) is known.
+    /// [`search_extremes`](Self::search_extremes) for projected vectors. If a slow wave is given (normal, c² in the unit
+    /// of stored speeds) for which the secular function is at most 1 in all directions, only directions are searched in
+    /// which the weights allow flutter: in all others, which have one root below the poles, no wave is slower.
     pub(super) fn search_projected(
         &self,
         tensor_update: &TensorUpdate,
@@ -82,7 +83,7 @@ impl AcousticTensor3 {
 
         let mut best = ScaledExtremes {
             slowest: slowest.unwrap_or((grid.normals[0], f64::INFINITY)),
-            seeks_slowest: slowest.is_none(),
+            is_bounded: slowest.is_some(),
             flutter: None,
         };
         self.refine_coarse_extremes(tensor_update, coarse_roots, squared_growth, &mut best);
@@ -135,7 +136,7 @@ impl AcousticTensor3 {
                 (least, if own > squared_growth[most] { place } else { most })
             },
         );
-        if best.seeks_slowest {
+        if !best.is_bounded || coarse_roots[least].smallest_real < best.slowest.1 {
             let point = grid.coarse_points[least] as usize;
             self.refine_slowest(tensor_update, point, COARSE_SUBDIVISIONS, best);
         }
@@ -153,13 +154,12 @@ impl AcousticTensor3 {
             // difference; eight times as much is allowed for.
             let own = coarse_roots[place].smallest_real;
             let (lowest, highest) = min_and_max(
-                neighbour_values.iter().map(|&i| coarse_roots[i as usize].smallest_real),
+                neighbour_values
+                    .iter()
+                    .map(|&i| coarse_roots[i as usize].smallest_real)
+                    .filter(|value| value.is_finite()),
             );
-            if best.seeks_slowest
-                && place != least
-                && own <= lowest
-                && own - 2.0 * (highest - own) < best.slowest.1
-            {
+            if place != least && own <= lowest && own - 2.0 * (highest - own) < best.slowest.1 {
                 self.refine_slowest(
                     tensor_update,
                     grid.coarse_points[place] as usize,
@@ -220,7 +220,7 @@ impl AcousticTensor3 {
                     is_above[lane] |= values[lane] <= target;
                 }
             }
-            if !best.seeks_slowest {
+            if best.is_bounded {
                 (sides, is_above) = ([1.0; LANES], [false; LANES]);
             }
             for lane in 0..LANES {
@@ -399,8 +399,8 @@ fn insert_strongest(list: &mut [(usize, f64)], own: (usize, f64), coarse_parents
 /// Slowest wave (normal, c²) and strongest flutter (normal, eigenvalue pair) known so far, in scaled units.
 struct ScaledExtremes {
     slowest: ([f64; 3], f64),
-    /// Whether the slowest wave is unknown.
-    seeks_slowest: bool,
+    /// Whether directions with a single root below the poles have no slower wave.
+    is_bounded: bool,
     flutter: Option<([f64; 3], EigenvaluePair)>,
 }
 

@@ -8,7 +8,9 @@ use crate::support::states::{RandomNumbers, seeded_generator};
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::yield_set::parameters::Mises;
-use wellposed_analysis::acoustic_tensor3::{AcousticTensor3, NormalSearchWorkspace};
+use wellposed_analysis::acoustic_tensor3::{
+    AcousticTensor3, ExtremesMethod, NormalSearchWorkspace,
+};
 
 /// Kinds of solids in the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,7 +177,8 @@ fn slowest_waves_of_classical_solids_are_in_the_plane_of_extreme_stresses() {
 fn compare_with_search(count: usize) {
     let random = &mut seeded_generator(21);
     for kind in KINDS {
-        let (mut worst, mut certified, mut calm, mut total) = (0.0_f64, 0, 0, 0);
+        let (mut worst, mut worst_flutter) = (0.0_f64, 0.0_f64);
+        let (mut certified, mut calm, mut total) = (0, 0, 0);
         let mut own_seconds = [0.0; 2];
         for _ in 0..count {
             let solid = random_solid(random, kind);
@@ -210,6 +213,19 @@ fn compare_with_search(count: usize) {
                 own_seconds[1] += start.elapsed().as_secs_f64();
                 total += 1;
                 calm += usize::from(expected.flutter.is_none());
+                let (either, method) = tensor.find_extremes(&update, &mut workspace).unwrap();
+                let slower = either.slowest.squared_speed - expected.slowest.squared_speed;
+                assert!(slower.abs() < 1e-9 * fastest, "{either:?} {expected:?} {solid:?} {set:?}");
+                assert_eq!(either.flutter.is_some(), expected.flutter.is_some());
+                if let (Some(own), Some(other)) = (either.flutter, expected.flutter) {
+                    let difference = own.max_imaginary_speed - other.max_imaginary_speed;
+                    worst_flutter = worst_flutter.max(difference.abs() / fastest.sqrt());
+                    assert!(
+                        difference.abs() < 1e-8 * fastest.sqrt(),
+                        "{own:?} {other:?} {solid:?}"
+                    );
+                }
+                assert_eq!(method == ExtremesMethod::Certified, found.is_some());
                 let Some(found) = found else { continue };
                 certified += 1;
                 assert_eq!(expected.flutter, None, "{kind:?} {solid:?} {set:?} {stress:?}");
@@ -226,8 +242,8 @@ fn compare_with_search(count: usize) {
             }
         }
         println!(
-            "{kind:?}: {certified} of {calm} without flutter, {total} in all; worst {worst:e}; \
-             {:.1} and {:.1} µs",
+            "{kind:?}: {certified} of {calm} without flutter, {total} in all; worst {worst:e}, \
+             of flutter {worst_flutter:e}; {:.1} and {:.1} µs",
             1e6 * own_seconds[0] / f64::from(total),
             1e6 * own_seconds[1] / f64::from(total)
         );
