@@ -251,11 +251,12 @@ impl AcousticTensor3 {
                 if parent.is_complex || secular.pole_count < 2 || secular.sign_changes() < 3 {
                     continue;
                 }
+                let is_real_at =
+                    |pair: EigenvaluePair| secular.has_real_roots_by_sign_at(pair.mean);
                 if secular.pole_count > 2
                     && secular.sign_changes() == 3
-                    && parent
-                        .critical_pair
-                        .is_some_and(|pair| secular.has_real_roots_by_sign_at(pair.mean))
+                    && (parent.critical_pair.is_some_and(is_real_at)
+                        || secular.has_real_roots_by_signs())
                 {
                     continue;
                 }

@@ -279,6 +279,26 @@ impl SecularEquation {
         roots
     }
 
+    /// Whether q proves, at one point in each of the two intervals beside the negative weights, that all eigenvalues are
+    /// real; with three changes of sign. The points are those where the sum of two terms w/(λ_g − λ) of opposite sides is
+    /// stationary.
+    pub(super) fn has_real_roots_by_signs(&self) -> bool {
+        let weights = &self.weights[..self.pole_count];
+        let Some(first) = weights.iter().position(|&w| w < 0.0) else { return true };
+        let end = first + weights[first..].iter().take_while(|&&w| w < 0.0).count();
+        let size = |range: &[f64]| range.iter().sum::<f64>().abs().sqrt();
+        let [below, middle, above] =
+            [&weights[..first], &weights[first..end], &weights[end..]].map(size);
+        let point_between = |low: usize, from_low: f64, from_high: f64| {
+            let share = from_low / (from_low + from_high);
+            self.poles[low] + share * (self.poles[low + 1] - self.poles[low])
+        };
+        (end < self.pole_count
+            && self.has_real_roots_by_sign_at(point_between(end - 1, middle, above)))
+            || (first > 0
+                && self.has_real_roots_by_sign_at(point_between(first - 1, below, middle)))
+    }
+
     /// Whether q(x) proves that all eigenvalues are real: with three changes of sign, q has the opposite sign at `x` to
     /// its sign at the ends of an interval with an even number of roots.
     pub(super) fn has_real_roots_by_sign_at(&self, x: f64) -> bool {
