@@ -87,7 +87,7 @@ impl AcousticTensor3 {
             flutter: None,
         };
         self.refine_coarse_extremes(tensor_update, coarse_roots, squared_growth, &mut best);
-        self.search_fine_grid(tensor_update, coarse_roots, &mut best);
+        self.search_fine_grid(tensor_update, coarse_roots, squared_growth, &mut best);
         self.scale_extremes(tensor_update, best.slowest, best.flutter)
     }
 
@@ -196,6 +196,7 @@ impl AcousticTensor3 {
         &self,
         tensor_update: &TensorUpdate,
         coarse_roots: &[SecularRoots],
+        squared_growth: &[f64],
         best: &mut ScaledExtremes,
     ) {
         let grid = self.grid();
@@ -204,6 +205,10 @@ impl AcousticTensor3 {
         let mut thresholds = [0.0; LANES];
         let mut found = [(0, f64::NEG_INFINITY); 8];
         for (index, chunk) in grid.chunks.iter().enumerate() {
+            let mut parents = grid.coarse_parents[index * LANES..].iter().take(LANES);
+            if best.is_bounded && parents.all(|&parent| coarse_roots[parent as usize].is_complex) {
+                continue;
+            }
             let target = best.slowest.1 - 1e-12;
             self.compute_weight_products(tensor_update, index, &mut products, &mut thresholds);
             // At the smallest c² so far, if it is below all λ_g, a negative 1 − Σ w_g/(λ_g − λ) proves that a smaller
@@ -232,7 +237,8 @@ impl AcousticTensor3 {
                     continue;
                 }
                 let seeks_slower = sides[lane] < 0.0 || is_above[lane];
-                let parent = &coarse_roots[grid.coarse_parents[place] as usize];
+                let parent_place = grid.coarse_parents[place] as usize;
+                let parent = &coarse_roots[parent_place];
                 if parent.is_complex && !seeks_slower {
                     continue;
                 }
@@ -262,11 +268,14 @@ impl AcousticTensor3 {
                 }
                 let roots = secular.solve_roots();
                 if let (true, Some(pair)) = (roots.is_complex, roots.critical_pair) {
-                    insert_strongest(
-                        &mut found,
-                        (place, pair.squared_growth()),
-                        &grid.coarse_parents,
-                    );
+                    // At the edge of a known cap growth rises towards its interior.
+                    let own = pair.squared_growth();
+                    let is_edge = grid.coarse_neighbours[parent_place].iter().any(|&i| {
+                        coarse_roots[i as usize].is_complex && squared_growth[i as usize] > own
+                    });
+                    if !is_edge {
+                        insert_strongest(&mut found, (place, own), &grid.coarse_parents);
+                    }
                 }
             }
         }
