@@ -24,9 +24,9 @@
 //! solid whose m and n differ by an isotropic tensor only (Drucker–Prager) has w ≥ 0 on the shear waves, which are the
 //! slower ones: no flutter either (Loret, Prevost & Harireche 1990).
 //!
-//! [Forms over the sphere](deviatoric_associativity) with a certificate decide isotropic solids in which m and n differ by
-//! an isotropic tensor, unless flutter is near. For any other solid a search decides.
-//! The search starts on a geodesic grid ([`AcousticTensor3::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
+//! Forms over the sphere with a certificate decide isotropic solids in which m and n differ by an isotropic tensor, except
+//! where flutter occurs or is near (`deviatoric_associativity.rs`, `secular_form.rs`). Else a search decides, limited to
+//! the directions that the forms leave open. The search starts on a geodesic grid ([`AcousticTensor3::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
 //! computed once per anisotropic elastic solid, and ends with Newton's method in the tangent plane. Short waves grow
 //! as Re ς ≈ |Im c| k.
 //!

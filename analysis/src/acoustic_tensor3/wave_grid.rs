@@ -63,8 +63,8 @@ impl WaveGrid {
                         (values, basis, groups)
                     }
                 };
-                for axis in 0..3 {
-                    chunk.normal[axis][lane] = normal[axis];
+                for (lanes, component) in chunk.normal.iter_mut().zip(normal) {
+                    lanes[lane] = *component;
                 }
                 let pairs = chunk.squared_speed.iter_mut().zip(values);
                 for (lanes, value) in pairs.take(tensor.velocity_count) {
