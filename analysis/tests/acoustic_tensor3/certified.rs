@@ -90,7 +90,7 @@ fn certified_extremes_agree_with_the_search() {
 }
 
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes half a minute"]
 fn certified_extremes_of_many_solids_agree_with_the_search() {
     compare_with_search(100);
 }
@@ -247,9 +247,13 @@ fn compare_with_search(count: usize) {
             1e6 * own_seconds[0] / f64::from(total),
             1e6 * own_seconds[1] / f64::from(total)
         );
+        // The others have shear waves faster than pressure waves, rotation waves faster than torsion waves, or no
+        // certificate.
         let share = match kind {
             SolidKind::Classical => 1.0,
-            _ => 0.0,
+            SolidKind::ReducedCosserat => 0.5,
+            SolidKind::SlowRotation | SolidKind::FastRotation => 0.35,
+            SolidKind::AnyCosserat => 0.2,
         };
         assert!(f64::from(certified) >= share * calm as f64);
     }
