@@ -94,11 +94,11 @@ fn compare<const N: usize>(
                 assert_eq!(proved, BoxVerdict::NotDecided, "no response at {values:?}");
                 continue;
             };
-            let is_contradiction = match (proved, &found.verdict) {
-                (BoxVerdict::WellPosed, Verdict::IllPosed { .. }) => true,
-                (BoxVerdict::IllPosed, Verdict::WellPosed) => true,
-                _ => false,
-            };
+            let is_contradiction = matches!(
+                (proved, &found.verdict),
+                (BoxVerdict::WellPosed, Verdict::IllPosed { .. })
+                    | (BoxVerdict::IllPosed, Verdict::WellPosed)
+            );
             assert!(!is_contradiction, "{proved:?} at {values:?} {flag}: {found:?}");
         }
         println!("boxes of {half}: {counts:?}");

@@ -17,7 +17,10 @@ pub struct DirectionForm {
 }
 
 impl DirectionForm {
-    /// Creates the form with the coefficients of n₁^d, n₁^(d−1) n₂, …, n₂^d; at least one.
+    /// Creates the form with the coefficients of n₁^d, n₁^(d−1) n₂, …, n₂^d.
+    ///
+    /// # Panics
+    /// There is no coefficient.
     pub fn new(coefficients: Vec<TaylorModel>) -> Self {
         assert!(!coefficients.is_empty(), "a form has a coefficient");
         Self { coefficients }

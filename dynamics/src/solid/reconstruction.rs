@@ -505,10 +505,51 @@ impl<N: Number> Reconstruction<N> {
 #[cfg(test)]
 mod tests {
     use super::{InterlayerStencil, Slopes};
+    use crate::simd::Real;
     use crate::solid::cell::CellConstants;
     use crate::solid::line::face_values;
     use crate::solid::random_lines::LinearCongruentialGenerator;
-    use crate::solid::riemann::State;
+    use crate::solid::riemann::{RiemannInvariants, State};
+
+    /// Verifies that in one medium the formula for any media gives the face values of that for one medium bit for bit,
+    /// for all states of four cells whose velocities and stresses are one of five numbers, zeros of both signs among
+    /// them.
+    fn check_formulas_in_one_medium<T: Real>() {
+        let numbers = [0.0, -0.0, 1.0, -1.0, -0.3].map(T::from_f64);
+        let digit = |index: usize, place: u32| numbers[index / 5_usize.pow(place) % 5];
+        for slopes in [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder] {
+            for courant in [0.3, 1.0] {
+                let cell = CellConstants::<T>::new(1.0, courant);
+                for index in 0..5_usize.pow(8) {
+                    let states: [State<T>; 4] = std::array::from_fn(|place| State {
+                        velocity: digit(index, 2 * place as u32),
+                        stress: digit(index, 2 * place as u32 + 1),
+                    });
+                    let waves = states.map(|state| RiemannInvariants::from_state(state, &cell));
+                    let at_face = |carried, [before, own, next]: [RiemannInvariants<T>; 3]| {
+                        let stencil =
+                            [slopes.lower_stencil(before, own), slopes.upper_stencil(own, next)];
+                        slopes.face_values(carried, own, stencil, &cell)
+                    };
+                    let [first, second, third, fourth] = waves;
+                    let carried = at_face(RiemannInvariants::ZERO, [first, second, third]).1;
+                    let expected = at_face(carried, [second, third, fourth]).0;
+                    let found = face_values(states, [&cell; 4], [T::ONE; 3], slopes);
+                    assert_eq!(
+                        found.map(|value| value.to_f64().to_bits()),
+                        expected.map(|value| value.to_f64().to_bits()),
+                        "{slopes:?}, C = {courant}: {states:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn formulas_for_one_and_for_any_media_agree_in_one_medium() {
+        check_formulas_in_one_medium::<f64>();
+        check_formulas_in_one_medium::<f32>();
+    }
 
     /// Verifies that in one medium the stored weights give the face values of the formula for any media bit for bit, and
     /// that cells beyond an interlayer have no influence.

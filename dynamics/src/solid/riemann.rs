@@ -32,13 +32,12 @@ impl<N: Number> RiemannInvariants<N> {
     /// with the invariant w′ of the neighbour, the reflection coefficient ρ = (y − z)/(y + z) of the impedances y of
     /// the neighbour and z of this cell, and the counter-propagating invariant ŵ of this cell. By time reversal the
     /// same formula gives the outgoing waves. Scattering conserves energy, so that the mapped values can be treated as
-    /// those of a line without interface.
+    /// those of a line without interface. With ρ = 0 zeros keep their signs: x − (0 − 0·y) = x, but −0 + 0·y = 0 for y ≥ 0.
     #[inline(always)]
     pub(crate) fn transmit(self, neighbour: Self, reflection: N) -> Self {
-        Self {
-            right: neighbour.right + reflection * (self.left - neighbour.right),
-            left: neighbour.left + reflection * (self.right - neighbour.left),
-        }
+        let right = reflection * (self.left - neighbour.right);
+        let left = reflection * (self.right - neighbour.left);
+        Self { right: neighbour.right - (N::ZERO - right), left: neighbour.left - (N::ZERO - left) }
     }
 
     /// Multiplies both invariants by a factor.

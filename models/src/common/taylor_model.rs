@@ -161,7 +161,8 @@ impl TaylorModel {
         let cosine = self.value.cr_cos();
         let value = self.value.cr_tan();
         // |cos x| ≥ |cos c| − |x − c|: no pole in the range.
-        if !(cosine.abs() > self.radius() * INFLATION) {
+        let has_no_pole = cosine.abs() > self.radius() * INFLATION;
+        if !has_no_pole {
             return Self::unbounded(value);
         }
         // g″ = 2 tan x (1 + tan² x) rises from pole to pole.
@@ -199,7 +200,8 @@ impl TaylorModel {
 
     fn exp(self) -> Self {
         let value = self.value.cr_exp();
-        if !(self.range()[0] > LEAST_EXPONENT) {
+        let is_normal = self.range()[0] > LEAST_EXPONENT;
+        if !is_normal {
             return Self::unbounded(value);
         }
         self.compose(value, value, self.range().map(Elementary::cr_exp))
@@ -302,6 +304,7 @@ impl Mul for TaylorModel {
 impl Div for TaylorModel {
     type Output = Self;
     #[inline]
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "by the reciprocal")]
     fn div(self, other: Self) -> Self {
         self * other.reciprocal()
     }

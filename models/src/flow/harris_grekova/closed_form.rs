@@ -114,10 +114,10 @@ fn ellipticity<T: Scalar>(phi: T, nu: T, twice_delta: T) -> T {
 }
 
 /// Conditions for well-posedness over a box: cos 2Δ, and for ν > 0 in a uniform background without rotational stress also
-/// the [`ellipticity`].
+/// the ellipticity of D in closed form.
 ///
 /// That a negative one of them suffices for ill-posedness, whatever the other: with D = a − b cos β + d sin β as in
-/// [`assess_with_dilatancy`], a has the sign of cos 2Δ. If cos 2Δ < 0, D is negative in some directions, and there
+/// the verdict at a point, a has the sign of cos 2Δ. If cos 2Δ < 0, D is negative in some directions, and there
 /// Re ς ~ k², but for the two in which 𝒜 vanishes. If the ellipticity is negative, D changes its sign.
 pub fn box_conditions(
     flow: &DeformingFlow,
