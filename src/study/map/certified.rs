@@ -62,7 +62,7 @@ pub struct CertifiedMap {
     pub method: String,
     /// Numbers of cells along x and y.
     pub cells: [usize; 2],
-    /// Numbers of cells all of whose parts have the same verdict, by its [name](Self::names); the others count as not decided.
+    /// Numbers of cells all of whose parts have the same verdict, by its name; the others count as not decided.
     #[serde(serialize_with = "super::summary::serialize_as_object")]
     pub cell_counts: [(&'static str, usize); 4],
     /// Shares of the area of the map, of its logarithms on logarithmic axes, by the name of the verdict of its parts.
