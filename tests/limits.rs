@@ -205,7 +205,7 @@ fn memory_of_maps_is_announced() {
 }
 
 /// Checks that the announced memory of a run is within 15 % of its peak memory; within 30 % for grids that are 2 to 4 cells
-/// thin, whose pictures take less, and whose many short lines keep memory when they are dropped.
+/// thin, whose pictures take less.
 fn assert_memory_is_announced(name: &str, case: &str, settings: &str, is_thin: bool) {
     let (announced, peak) = measure_memory(name, case, settings);
     println!("{settings}: {:.0} MiB, said {:.0}", peak / 1048576.0, announced / 1048576.0);

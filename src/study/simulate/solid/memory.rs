@@ -27,11 +27,11 @@ const PICTURE_BYTES_PER_CELL: f64 = 46.0;
 const ANIMATION_BYTES_PER_CELL: f64 = 24.0;
 
 /// Memory for the pictures and files of joints, bytes, by measurement, apart from that per face.
-const JOINT_PICTURE_MEMORY_BYTES: f64 = 21.0 * 1048576.0;
+const JOINT_PICTURE_MEMORY_BYTES: f64 = 4.0 * 1048576.0;
 
 /// Memory per pair of waves for both faces at the ends of a line of cells in the solver of ledgers with numerical
 /// dissipation, bytes, by measurement.
-const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 145.0;
+const BYTES_PER_REFERENCE_BOUNDARY_LINE: f64 = 50.0;
 
 /// Memory per pair of waves and face of a side with loads, or whose conditions differ between faces, bytes, by measurement.
 const BYTES_PER_LOADED_FACE: f64 = 200.0;
