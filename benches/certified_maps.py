@@ -83,8 +83,8 @@ def main():
                 open_cells = own["cell_counts"]["not decided"]
                 ratio = f"{open_cells / crossed:.2f}" if crossed else "–"
                 shares = own["area_shares"]
-                proved = shares["proved well-posed"] + shares["proved ill-posed"]
                 outside = shares["no state"]
+                proved = 1 - shares["not decided"] - outside
                 print(
                     f"| {name} | {cells}² | {crossed} | {open_cells} | {ratio} | "
                     f"{100 * proved / (1 - outside):.2f} % | {both - ordinary:.1f} | {ordinary:.1f} |",
