@@ -51,7 +51,7 @@ const DISSIPATION_LISTS: f64 = 1.17;
 
 /// Memory of a face of a joint in multiples of its output, by measurement: history variables, lists of faces, and copies
 /// of the output while files and pictures are created.
-const JOINT_COPIES: f64 = 4.3;
+const JOINT_COPIES: f64 = 5.4;
 
 impl SolidJob<'_> {
     /// Estimates the peak memory of a run, bytes: that of the program, of the initial values, and of joints; plus all
