@@ -5,6 +5,7 @@ mod allocator;
 mod format_argument;
 mod help;
 mod manual;
+mod map_arguments;
 mod number_arguments;
 mod picture_arguments;
 mod usage;
@@ -13,6 +14,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use dynamics::decomposition::communicator::Communicator;
 use format_argument::FormatArgument;
+use map_arguments::MapArguments;
 use models::interface::continuum::OpeningLimit;
 use models::registry;
 use number_arguments::{
@@ -32,7 +34,6 @@ use wellposed::cli::{
     self, CheckpointSettings, CommandError, Options, OutputFormat, cases, ranks, signals,
 };
 use wellposed::report::PictureOptions;
-use wellposed::study::MapOptions;
 
 #[cfg(unix)]
 #[global_allocator]
@@ -50,18 +51,8 @@ struct CommandLine {
 enum Verb {
     /// Map the verdict over two parameters of a case: picture, data and summary
     Map {
-        /// Also compute the largest growth rate over all wave vectors at every point
-        #[arg(long = "bound")]
-        computes_bound: bool,
-        /// Also compute the largest growth rate at the wave number of the case at every point
-        #[arg(long = "growth-rate")]
-        computes_growth_rate: bool,
-        /// Assess every point from the linearised equations, without closed forms of a model
-        #[arg(long = "model-blind")]
-        is_model_blind: bool,
-        /// Prove the verdict for all states of the cells between points, with refinement where that fails
-        #[arg(long = "certified")]
-        is_certified: bool,
+        #[command(flatten)]
+        quantities: MapArguments,
         #[command(flatten)]
         arguments: CaseArguments,
     },
@@ -446,16 +437,8 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         _ => ranks::require_single_process()?,
     }
     match verb {
-        Verb::Map {
-            arguments,
-            computes_bound,
-            computes_growth_rate,
-            is_model_blind,
-            is_certified,
-        } => {
-            let map_options =
-                MapOptions { computes_bound, computes_growth_rate, is_model_blind, is_certified };
-            let options = arguments.into();
+        Verb::Map { quantities, arguments } => {
+            let (options, map_options) = (arguments.into(), quantities.into());
             execute_on_ranks(
                 &mut stdout,
                 |stdout| cli::run_map(&options, map_options, stdout),

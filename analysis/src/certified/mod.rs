@@ -1,7 +1,7 @@
 //! Verdicts that are proved for all states of a box of two parameters at once.
 //!
 //! A verdict at a point says nothing about its neighbours. Here every quantity is enclosed over a box by
-//! [`TaylorModel`](models::common::taylor_model::TaylorModel)s, rounding errors included, so that a certain sign holds for
+//! [`TaylorModel`]s, rounding errors included, so that a certain sign holds for
 //! all states of the box and all directions. What has no certain sign stays undecided. For slipping layers with spin and for
 //! dilatant flows it is the leading symbol that is enclosed.
 
@@ -13,7 +13,7 @@ pub use direction_form::DirectionForm;
 pub use drucker_prager::YieldCone;
 pub use slipping_layers::SlippingLayers;
 
-use models::flow::closed_form::BoxCondition;
+use models::common::taylor_model::TaylorModel;
 
 /// What is proved of all states of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,8 +28,8 @@ pub enum BoxVerdict {
 
 impl BoxVerdict {
     /// Verdict from the conditions of a model: all positive, or one negative, in the whole box.
-    pub fn from_conditions(conditions: &[BoxCondition]) -> Self {
-        let signs = || conditions.iter().map(|own| own.enclosure.certain_sign());
+    pub fn from_conditions(conditions: &[TaylorModel]) -> Self {
+        let signs = || conditions.iter().map(|own| own.certain_sign());
         if signs().any(|sign| sign == Some(-1)) {
             Self::IllPosed
         } else if signs().all(|sign| sign == Some(1)) {

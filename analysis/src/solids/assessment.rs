@@ -24,11 +24,11 @@ pub const PLANE_ROUTE: &str = "exact dispersion polynomial of the rate equations
                                speeds from the acoustic tensor every half degree, then refined";
 
 /// Description of the methods in space, for output on many states.
-pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, by forms with a proved maximum or, \
+pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, by forms with a certified maximum or, \
                                where these do not decide, by search";
 
 /// Description of the method in space by forms, for output.
-pub const SPACE_FORM_ROUTE: &str = "acoustic tensor over the sphere: speeds proved real by signs of \
+pub const SPACE_FORM_ROUTE: &str = "acoustic tensor over the sphere: speeds real by signs of \
                                     forms, slowest wave by Newton's method with a certificate \
                                     that no direction has a slower one";
 

@@ -8,7 +8,6 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
-use crate::common::taylor_model::TaylorModel;
 use crate::flow::state::DeformingFlow;
 use std::f64::consts::PI;
 
@@ -39,16 +38,6 @@ pub enum ClosedFormVerdict {
         /// Number of unknowns.
         unknowns: usize,
     },
-}
-
-/// One of the conditions of a model for well-posedness, as an enclosure over a box of states: a state is well-posed if
-/// all conditions are positive, and ill-posed if one is negative.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoxCondition {
-    /// The quantity as a formula, for output.
-    pub formula: &'static str,
-    /// Its enclosure over the box.
-    pub enclosure: TaylorModel,
 }
 
 /// Largest relative rounding bound at which a formula decides: ten correct digits, so that independent evaluations of

@@ -10,7 +10,7 @@ use crate::common::kind::impl_kind_by_name;
 use crate::common::parameter::Parameter;
 use crate::common::system::LinearisedSystem;
 use crate::common::taylor_model::TaylorModel;
-use crate::flow::closed_form::{BoxCondition, ClosedFormVerdict};
+use crate::flow::closed_form::ClosedFormVerdict;
 use std::fmt;
 use std::sync::Arc;
 
@@ -70,7 +70,8 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
         None
     }
 
-    /// Conditions for well-posedness over a box of states with these enclosures of the constants, in the order of
+    /// Enclosures of the conditions for well-posedness over a box of states: a state is well-posed if all conditions are
+    /// positive, and ill-posed if one is negative. The box is that of these enclosures of the constants, in the order of
     /// [`FlowModel::parameters`], and of the non-coaxiality Δ, rad. All states of the box are fully deforming; `flow` is
     /// one of them and has their gradients and accelerations; no number that varies over the box may be taken from it or
     /// from `self`. `None` if no formula is known for them.
@@ -79,7 +80,7 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
         flow: &DeformingFlow,
         constants: &[TaylorModel],
         noncoaxiality: TaylorModel,
-    ) -> Option<Vec<BoxCondition>> {
+    ) -> Option<Vec<TaylorModel>> {
         let _ = (flow, constants, noncoaxiality);
         None
     }

@@ -4,9 +4,7 @@ use super::parameters::DoubleShearing;
 use crate::common::rounding::Rounded;
 use crate::common::scalar::{Function, Scalar};
 use crate::common::taylor_model::TaylorModel;
-use crate::flow::closed_form::{
-    BoxCondition, ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle,
-};
+use crate::flow::closed_form::{ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle};
 use crate::flow::state::DeformingFlow;
 
 /// Returns growth of order 1 (ill-posed) in every background; `None` if φ is too close to a right angle, a number of
@@ -61,13 +59,11 @@ pub fn max_growth_coefficient(model: &DoubleShearing, deviator: Rounded, density
 
 /// Conditions for well-posedness over a box: −cos(φ − 2ν)/(sin e [cos e + sin ν]) with e = φ − ν, always negative: the
 /// square of [`max_growth_coefficient`] is a positive multiple of its magnitude.
-pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<BoxCondition>> {
+pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<TaylorModel>> {
     let &[phi, nu, ..] = constants else { return None };
     let (cos, sin) =
         (|x: TaylorModel| x.apply(Function::Cos), |x: TaylorModel| x.apply(Function::Sin));
     let difference = phi - nu;
     let divisor = sin(difference) * (cos(difference) + sin(nu));
-    let enclosure = -(cos(difference - nu) / divisor);
-    let formula = "−cos(φ − 2ν)/(sin(φ − ν) [cos(φ − ν) + sin ν])";
-    Some(vec![BoxCondition { formula, enclosure }])
+    Some(vec![-(cos(difference - nu) / divisor)])
 }

@@ -8,7 +8,7 @@ pub mod symbol;
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
 use crate::common::taylor_model::TaylorModel;
-use crate::flow::closed_form::{BoxCondition, ClosedFormVerdict};
+use crate::flow::closed_form::ClosedFormVerdict;
 use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use crate::flow::{FlowLaw, FlowModel, RotationKind, SHARED_PARAMETERS};
 use parameters::DoubleShearing;
@@ -54,7 +54,7 @@ impl FlowLaw for DoubleShearing {
         _flow: &DeformingFlow,
         constants: &[TaylorModel],
         _noncoaxiality: TaylorModel,
-    ) -> Option<Vec<BoxCondition>> {
+    ) -> Option<Vec<TaylorModel>> {
         closed_form::box_conditions(constants)
     }
 }

@@ -6,7 +6,7 @@ use crate::common::rounding::Rounded;
 use crate::common::scalar::{Function, Scalar};
 use crate::common::taylor_model::TaylorModel;
 use crate::flow::closed_form::{
-    BoxCondition, ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle, resolved_sign,
+    ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle, resolved_sign,
 };
 use crate::flow::state::DeformingFlow;
 use std::f64::consts::PI;
@@ -123,18 +123,15 @@ pub fn box_conditions(
     flow: &DeformingFlow,
     constants: &[TaylorModel],
     noncoaxiality: TaylorModel,
-) -> Option<Vec<BoxCondition>> {
+) -> Option<Vec<TaylorModel>> {
     let &[phi, nu, _, _, strength] = constants else { return None };
     let twice_delta = noncoaxiality + noncoaxiality;
-    let cosine = BoxCondition { formula: "cos 2Δ", enclosure: twice_delta.apply(Function::Cos) };
+    let cosine = twice_delta.apply(Function::Cos);
     if nu.is_structural_zero() {
         return Some(vec![cosine]);
     }
     let has_no_stress = strength.is_structural_zero() && flow.stress.rotational_stress == 0.0;
-    let bound = BoxCondition {
-        formula: "cos²ν cos φ cos(φ − 2ν) cos² 2Δ − sin²ν cos²(φ − ν) sin² 2Δ",
-        enclosure: ellipticity(phi, nu, twice_delta),
-    };
+    let bound = ellipticity(phi, nu, twice_delta);
     (is_uniform(flow) && has_no_stress).then(|| vec![cosine, bound])
 }
 

@@ -7,7 +7,7 @@ pub mod symbol;
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
 use crate::common::taylor_model::TaylorModel;
-use crate::flow::closed_form::{BoxCondition, ClosedFormVerdict};
+use crate::flow::closed_form::ClosedFormVerdict;
 use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use crate::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use parameters::{HarrisGrekova, MOMENT_OF_INERTIA, ROTATIONAL_STRENGTH};
@@ -62,7 +62,7 @@ impl FlowLaw for HarrisGrekova {
         flow: &DeformingFlow,
         constants: &[TaylorModel],
         noncoaxiality: TaylorModel,
-    ) -> Option<Vec<BoxCondition>> {
+    ) -> Option<Vec<TaylorModel>> {
         closed_form::box_conditions(flow, constants, noncoaxiality)
     }
 

@@ -5,9 +5,7 @@ use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
 use crate::common::scalar::{Function, Scalar};
 use crate::common::taylor_model::TaylorModel;
-use crate::flow::closed_form::{
-    BoxCondition, ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle,
-};
+use crate::flow::closed_form::{ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle};
 use crate::flow::state::DeformingFlow;
 
 /// Smallest |φ − ν|, rad, at which the formula decides. The leading growth rate is of order (φ − ν)²; closer to the
@@ -42,8 +40,7 @@ pub fn closed_form_verdict(
 
 /// Conditions for well-posedness over a box: −|φ − ν|, negative but for associated flow. With cos β between sin ν and sin φ
 /// the growth coefficient is positive.
-pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<BoxCondition>> {
+pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<TaylorModel>> {
     let &[phi, nu, ..] = constants else { return None };
-    let enclosure = -(phi - nu).apply(Function::Abs);
-    Some(vec![BoxCondition { formula: "−|φ − ν|", enclosure }])
+    Some(vec![-(phi - nu).apply(Function::Abs)])
 }
