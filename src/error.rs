@@ -1,6 +1,7 @@
 //! Errors of the studies and of their reports.
 
 use crate::case::CaseError;
+use crate::study::certified::BoxRangeError;
 use crate::study::simulate::IllPosedness;
 use dynamics::decomposition::ThreadStartError;
 use dynamics::simulation::RunError;
@@ -14,6 +15,9 @@ pub enum Error {
     /// The equations of the flow are ill-posed, and `SimulationSettings::accept_ill_posed` is not set.
     #[error("{0}; SimulationSettings::accept_ill_posed runs it all the same")]
     IllPosed(IllPosedness),
+    /// A range of a number over which a verdict is to be proved is empty, or nothing is proved over that number.
+    #[error(transparent)]
+    BoxRange(#[from] BoxRangeError),
     /// The points of the map cannot be allocated.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {

@@ -67,6 +67,10 @@ const COMMANDS: [CommandHelp; 22] = [
                 "another pressure",
             ),
             ("wellposed point flutter --format json", "the results as JSON"),
+            (
+                "wellposed point flutter --certified --over model.mu=0.9..1.1",
+                "the verdict proved for all these shear moduli",
+            ),
         ],
         exit_codes: &[0, 2, 130],
     },

@@ -8,6 +8,7 @@ mod manual;
 mod map_arguments;
 mod number_arguments;
 mod picture_arguments;
+mod point_arguments;
 mod usage;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -22,6 +23,7 @@ use number_arguments::{
     parse_thread_count,
 };
 use picture_arguments::PictureArguments;
+use point_arguments::PointArguments;
 use std::io::Write;
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -58,6 +60,8 @@ enum Verb {
     },
     /// Analyse one state: background, characteristics, dispersion roots, growth, verdict
     Point {
+        #[command(flatten)]
+        proof: PointArguments,
         #[command(flatten)]
         arguments: CaseArguments,
     },
@@ -210,10 +214,12 @@ enum Verb {
         #[command(flatten)]
         pictures: PictureArguments,
     },
-    /// Compare the files of a results folder with their checksums; exit code 1 if any is damaged
+    /// Compare the files of a results folder with their checksums, and check the proof of a certificate in rational
+    /// arithmetic; exit code 1 if a file is damaged or a certificate proves nothing
     Verify {
-        /// Results folder
-        folder: PathBuf,
+        /// Results folder, or a certificate of wellposed point --certified
+        #[arg(value_name = "DIR|FILE")]
+        path: PathBuf,
         /// Output format
         #[arg(long, value_enum, default_value = "text")]
         format: FormatArgument,
@@ -398,7 +404,7 @@ impl Verb {
     fn output_format(&self) -> OutputFormat {
         match self {
             Self::Map { arguments, .. }
-            | Self::Point { arguments }
+            | Self::Point { arguments, .. }
             | Self::Dispersion { arguments }
             | Self::Diagram { arguments }
             | Self::Speeds { arguments }
@@ -447,7 +453,10 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
                 },
             )?;
         }
-        Verb::Point { arguments } => cli::run_point(&arguments.into(), &mut stdout)?,
+        Verb::Point { proof, arguments } => match proof.into_ranges() {
+            Some(ranges) => cli::run_certified_point(&arguments.into(), &ranges, &mut stdout)?,
+            None => cli::run_point(&arguments.into(), &mut stdout)?,
+        },
         Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
         Verb::Diagram { arguments } => cli::run_diagram(&arguments.into(), &mut stdout)?,
         Verb::Homogenise {
@@ -544,7 +553,7 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
         Verb::Gather { folder, zarr, pictures } => {
             cli::gather(&folder, zarr.map(usize::from), &pictures.into(), &mut stdout)?;
         }
-        Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
+        Verb::Verify { path, format } => cli::verify(&path, format.into(), &mut stdout)?,
         Verb::Cases { action: Some(CasesAction::Show { name }), .. } => {
             cases::show_case(&name, &mut stdout)?;
         }

@@ -16,6 +16,8 @@ mod accuracy;
 mod bloch;
 #[path = "case_files/main.rs"]
 mod case_files;
+#[path = "certificates.rs"]
+mod certificates;
 #[path = "certified.rs"]
 mod certified;
 #[path = "check.rs"]

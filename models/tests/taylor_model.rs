@@ -296,3 +296,36 @@ fn extreme_numbers_are_not_enclosed_too_narrowly() {
         check(x * x, [least * least, most * most]);
     }
 }
+
+/// Polar angles of points of boxes in all quadrants, against doubles; away from the negative axis the enclosures are not much
+/// wider than the angles at the corners.
+#[test]
+fn polar_angles_lie_within_their_enclosures() {
+    let random = &mut RandomNumbers::new(17);
+    let mut enclosed = 0;
+    for _ in 0..20_000 {
+        let (radius, angle) = (10f64.powf(random.uniform(-3.0, 3.0)), random.uniform(-3.14, 3.14));
+        let half = radius * 10f64.powf(random.uniform(-9.0, -0.5));
+        let [x, y] = [radius * angle.cos(), radius * angle.sin()];
+        let [first, second] = [[x - half, x + half], [y - half, y + half]];
+        let model = TaylorModel::parameter(1, second[0], second[1])
+            .atan2(TaylorModel::parameter(0, first[0], first[1]));
+        if !model.is_finite() {
+            continue;
+        }
+        enclosed += 1;
+        let [low, high] = model.range();
+        let corners = [0, 1, 2, 3].map(|corner| {
+            let value = second[corner / 2].atan2(first[corner % 2]);
+            let rounding = 4e-16 * value.abs();
+            assert!(low <= value + rounding && high >= value - rounding, "{value}: {low} {high}");
+            value
+        });
+        let least = corners.iter().fold(4.0, |a: f64, b| a.min(*b));
+        let most = corners.iter().fold(-4.0, |a: f64, b| a.max(*b));
+        // Near the negative axis the ordinate divides.
+        let is_wide = half > 0.05 * radius || (x < 0.0 && y.abs() < -x);
+        assert!(is_wide || high - low < 1.5 * (most - least) + 3e-14, "{model:?} {corners:?}");
+    }
+    assert!(enclosed > 19_000, "{enclosed}");
+}

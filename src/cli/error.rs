@@ -5,6 +5,7 @@ use super::ranks::RankError;
 use crate::case::{CaseError, SourcePosition, YieldSetError};
 use crate::report::SCHEMA_VERSION;
 use crate::study::simulate::{IllPosedness, StopReport};
+use certificates::VerificationError;
 use dynamics::decomposition::ThreadStartError;
 use serde_json::{Value, json};
 
@@ -91,6 +92,14 @@ pub enum CommandError {
         /// Results folder.
         folder: String,
     },
+    /// A certificate does not prove its verdict.
+    #[error("{path}: the certificate proves nothing: {cause}")]
+    FalseCertificate {
+        /// Path of the certificate.
+        path: String,
+        /// What is wrong with it.
+        cause: VerificationError,
+    },
     /// A signal interrupted a run, which can be resumed.
     #[error("interrupted at {simulated_time} s; wellposed resume {folder} goes on")]
     Interrupted {
@@ -131,12 +140,14 @@ pub enum CommandError {
 
 impl CommandError {
     /// Returns the program's exit code: 0 if standard output is a pipe that its reader has closed, 1 if a check
-    /// disagreed or files are damaged, 3 if a run was stopped because of its state, 130 if it was interrupted,
+    /// disagreed, files are damaged or a certificate proves nothing, 3 if a run was stopped because of its state, 130 if it was interrupted,
     /// otherwise 2.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
-            Self::Disagreement { .. } | Self::DamagedFiles { .. } => 1,
+            Self::Disagreement { .. }
+            | Self::DamagedFiles { .. }
+            | Self::FalseCertificate { .. } => 1,
             Self::SimulationStopped(_) => 3,
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } | Self::InterruptedStudy => {
                 INTERRUPTED_CODE
@@ -192,7 +203,7 @@ impl CommandError {
             Self::Output(_) => "output",
             Self::SimulationStopped(_) => "stopped",
             Self::Disagreement { .. } => "disagreement",
-            Self::DamagedFiles { .. } => "damage",
+            Self::DamagedFiles { .. } | Self::FalseCertificate { .. } => "damage",
             Self::NoCaseFiles { .. } | Self::NoBundledCase { .. } | Self::Usage(_) => "usage",
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } | Self::InterruptedStudy => {
                 "interrupted"

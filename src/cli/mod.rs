@@ -41,7 +41,7 @@ pub use map::run_map;
 pub use models::list_models;
 pub use options::{Options, OutputFormat};
 pub use plot::plot;
-pub use point::run_point;
+pub use point::{run_certified_point, run_point};
 pub use resume::resume;
 pub use run::{CheckpointSettings, DEFAULT_CHECKPOINT_INTERVAL, run_simulation};
 pub use shocks::run_shocks;

@@ -13,9 +13,10 @@ use crate::cli::folder::{
 };
 use crate::cli::options::create_thread_pool;
 use crate::report::page::PagePicture;
+use crate::report::point::CertifiedPoint;
 use crate::report::{self, PictureOptions, RenderedReport, Report};
 use crate::study::check::CheckExtent;
-use crate::study::{self, MapOptions, ProgressCallback};
+use crate::study::{self, BoxRange, MapOptions, ProgressCallback};
 use analysis::flows::Route;
 use files::csv::read_first_rows;
 use rayon::ThreadPool;
@@ -179,7 +180,14 @@ impl Redrawing<'_> {
                 }
                 self.redraw_result(&found)
             }
-            "point" => self.redraw(pool, |progress| study::analyse_point(case, progress)),
+            "point" => match self.read_proof_ranges()? {
+                Some(ranges) => self.redraw(pool, |progress| {
+                    let point = study::analyse_point(case, progress)?;
+                    let certified = study::certify_state(case, &ranges)?;
+                    Ok(CertifiedPoint { point, certified })
+                }),
+                None => self.redraw(pool, |progress| study::analyse_point(case, progress)),
+            },
             "dispersion" if case.has_joints() => {
                 self.redraw(pool, |progress| study::compute_bloch_waves(case, progress))
             }
@@ -235,6 +243,21 @@ impl Redrawing<'_> {
         let path = self.folder.path().join(name);
         serde_json::from_slice(&self.read(&path)?)
             .map_err(|error| OutputError::from_invalid_content(&path, error))
+    }
+
+    /// Reads the ranges of numbers over which a verdict was proved from the report of `point`; `None` if none was proved.
+    fn read_proof_ranges(&self) -> Result<Option<Vec<BoxRange>>, OutputError> {
+        let point = self.read_report("point.json")?;
+        let Some(axes) = point["certified"]["box"].as_array() else { return Ok(None) };
+        let read = |own: &Value| {
+            let ends = [own["from"].as_f64()?, own["to"].as_f64()?];
+            Some(BoxRange { key: own["key"].as_str()?.to_owned(), ends })
+        };
+        let ranges: Option<Vec<BoxRange>> = axes.iter().map(read).collect();
+        ranges.map(Some).ok_or_else(|| {
+            let path = self.folder.path().join("point.json");
+            OutputError::from_invalid_content(&path, "no ranges of the proof")
+        })
     }
 
     /// Reads the numbers of ranks and of threads of each from the report of `split`.

@@ -65,6 +65,10 @@ pub(super) fn write_report_files<'r, R: Report>(
 ) -> Result<RenderedReport<'r>, CommandError> {
     let mut rendered = RenderedReport::new(report, case)?;
     let mut publication = folder.start_publication();
+    let absent = report.absent_file_names().into_iter();
+    for name in absent.filter(|name| folder.path().join(name).exists()) {
+        publication.schedule_removal(&name);
+    }
     let of_page = rendered.write_files(pictures, |name, write| {
         publication.stage_with(name, |file| write(file)).map_err(CommandError::from)
     })?;

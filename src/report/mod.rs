@@ -74,6 +74,11 @@ pub trait Report: Serialize {
     /// A table or archive cannot be created.
     fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error>;
 
+    /// Names of files that earlier results of this study in the folder may have and that these results do not have.
+    fn absent_file_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Creates the data of a picture whose points can be selected on the page of the results folder; `None` if there is
     /// no such picture.
     ///

@@ -5,6 +5,7 @@
 
 mod available_memory;
 pub mod bloch;
+pub mod certified;
 pub mod check;
 pub mod compare;
 pub mod diagram;
@@ -21,6 +22,7 @@ pub mod timing;
 pub mod verdict;
 
 pub use bloch::{BandStructureResult, compute_bloch_waves};
+pub use certified::{BoxRange, BoxRangeError, CertifiedState, certify_state};
 pub use check::{CheckResult, check_agreement};
 pub use compare::{ComparisonResult, compare_runs};
 pub use diagram::{DiagramResult, compute_diagram};

@@ -1,5 +1,6 @@
 //! Signs of binary forms over all directions of the plane, by Bernstein coefficients in the direction.
 
+use certificates::Directions;
 use models::common::scalar::Scalar;
 use models::common::taylor_model::TaylorModel;
 use std::ops::{Add, Mul, Sub};
@@ -51,14 +52,26 @@ impl DirectionForm {
         })
     }
 
-    /// Whether the form is certainly positive in all directions and all of the box.
-    pub fn is_positive(&self) -> bool {
-        [false, true].into_iter().all(|is_swapped| is_positive(&self.chart(is_swapped), 0))
+    /// Ranges of directions, which cover all, with a positive lower and an upper bound on the form for each, in all of the
+    /// box; `None` if the form is not certainly positive.
+    pub fn prove_positive(&self) -> Option<Vec<(Directions, [f64; 2])>> {
+        let mut found = Vec::new();
+        let mut is_positive = |is_swapped: bool| {
+            let mut put = |ends, range| {
+                let own = match is_swapped {
+                    false => Directions::AlongNormal(ends),
+                    true => Directions::AlongLayers(ends),
+                };
+                found.push((own, range));
+            };
+            bound_positive(&self.chart(is_swapped), [-1.0, 1.0], 0, &mut put)
+        };
+        (is_positive(false) && is_positive(true)).then_some(found)
     }
 
-    /// A direction in which the form is certainly negative in all of the box: near that of the least value at the centre
-    /// of the box. `None` if it is not certainly negative there.
-    pub fn negative_direction(&self) -> Option<[f64; 2]> {
+    /// A direction in which the form is certainly negative in all of the box, with bounds on it there: near that of the least
+    /// value at the centre of the box. `None` if it is not certainly negative there.
+    pub fn prove_negative(&self) -> Option<(Directions, [f64; 2])> {
         let value = |direction: [f64; 2]| {
             let [x, y] = direction;
             let own = |(i, c): (usize, &TaylorModel)| {
@@ -93,7 +106,9 @@ impl DirectionForm {
             }
         }
         let direction = chart(is_swapped, t);
-        (self.value_at(direction).certain_sign() == Some(-1)).then_some(direction)
+        let found = self.value_at(direction);
+        (found.certain_sign() == Some(-1))
+            .then(|| (Directions::One(direction.to_vec()), found.range()))
     }
 
     /// Bernstein coefficients in s ∈ [0, 1] on the chart (1, t) or, swapped, (t, 1) with t = 2s − 1.
@@ -128,19 +143,33 @@ fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |own, i| own * (n - i) as f64 / (i + 1) as f64)
 }
 
-/// Whether a polynomial with these Bernstein coefficients is certainly positive on its interval. It lies within the convex
-/// hull of the coefficients, of which the first and the last are its values at the ends.
-fn is_positive(coefficients: &[TaylorModel], depth: u32) -> bool {
+/// Whether a polynomial with these Bernstein coefficients on an interval is certainly positive there; passes parts of the interval
+/// to `put`, with lower and upper bound. The polynomial lies within the convex hull of the coefficients, of which the first
+/// and the last are its values at the ends.
+fn bound_positive(
+    coefficients: &[TaylorModel],
+    [low, high]: [f64; 2],
+    depth: u32,
+    put: &mut impl FnMut([f64; 2], [f64; 2]),
+) -> bool {
     let is_certain = |own: &TaylorModel| own.certain_sign() == Some(1);
     if coefficients.iter().all(is_certain) {
+        let join = |[least, most]: [f64; 2], own: &TaylorModel| {
+            let [low, high] = own.range();
+            [least.min(low), most.max(high)]
+        };
+        put([low, high], coefficients.iter().fold([f64::INFINITY, f64::NEG_INFINITY], join));
         return true;
     }
     let [first, .., last] = coefficients else { return false };
     if depth == MAX_DEPTH || !is_certain(first) || !is_certain(last) {
         return false;
     }
+    // Exact: at most twenty halvings.
+    let middle = 0.5 * (low + high);
+    let ends = [[low, middle], [middle, high]];
     let halves = bisect(coefficients);
-    halves.iter().all(|half| is_positive(half, depth + 1))
+    ends.into_iter().zip(&halves).all(|(ends, half)| bound_positive(half, ends, depth + 1, put))
 }
 
 /// Bernstein coefficients on both halves of the interval (de Casteljau).

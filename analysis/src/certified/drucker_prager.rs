@@ -1,6 +1,7 @@
 //! Shear bands of a classical solid with a yield cone in space: a quadratic form on a triangle.
 
-use super::BoxVerdict;
+use super::{BoxProof, BoxVerdict, claim};
+use certificates::Directions;
 use models::common::scalar::{Function, Scalar};
 use models::common::taylor_model::TaylorModel;
 
@@ -72,10 +73,14 @@ impl YieldCone {
     /// c_s² (Loret, Prevost & Harireche 1990). So all c² are positive exactly if the form is: A strictly copositive. By
     /// Hadeler (1983) that is aᵢᵢ > 0, eᵢⱼ = aᵢⱼ + √(aᵢᵢaⱼⱼ) > 0 and
     /// √(a₁₁a₂₂a₃₃) + a₁₂√a₃₃ + a₁₃√a₂₂ + a₂₃√a₁₁ + √(2 e₁₂ e₁₃ e₂₃) > 0. Ill-posed if the form is negative at one point.
-    pub fn verdict(&self) -> BoxVerdict {
-        let Some(matrix) = self.matrix() else { return BoxVerdict::NotDecided };
-        if is_negative_at(&matrix, least_point(&matrix)) {
-            return BoxVerdict::IllPosed;
+    pub fn prove(&self) -> BoxProof {
+        let Some(matrix) = self.matrix() else { return BoxProof::NONE };
+        let point = least_point(&matrix);
+        let least = value_at(&matrix, point);
+        if least.certain_sign() == Some(-1) {
+            let point = Some(Directions::One(point.to_vec()));
+            let claims = vec![claim("xᵀAx", point, least.range())];
+            return BoxProof { verdict: BoxVerdict::IllPosed, claims };
         }
         let sqrt = |x: TaylorModel| x.apply(Function::Sqrt);
         let roots: [TaylorModel; 3] = std::array::from_fn(|i| sqrt(matrix[i][i]));
@@ -85,25 +90,37 @@ impl YieldCone {
         let sum = pairs.iter().fold(roots[0] * roots[1] * roots[2], |sum, &(i, j, other)| {
             sum + matrix[i][j] * roots[other]
         });
-        let is_positive = |own: &TaylorModel| own.certain_sign() == Some(1);
         let diagonal: [TaylorModel; 3] = std::array::from_fn(|i| matrix[i][i]);
-        let conditions = diagonal.iter().chain(&edges);
-        match conditions.into_iter().all(is_positive) && is_positive(&(sum + sqrt(product))) {
-            true => BoxVerdict::WellPosed,
-            false => BoxVerdict::NotDecided,
-        }
+        let last = sum + sqrt(product);
+        let quantities = diagonal.into_iter().chain(edges).chain([last]);
+        let conditions: Vec<(&'static str, TaylorModel)> =
+            COPOSITIVITY.into_iter().zip(quantities).collect();
+        // A negative one is not that of the form at a point, which is searched for above.
+        let found = BoxProof::from_conditions(&conditions);
+        if found.verdict == BoxVerdict::WellPosed { found } else { BoxProof::NONE }
     }
 }
 
-/// Whether the form is certainly negative at a point of the triangle.
-fn is_negative_at(matrix: &[[TaylorModel; 3]; 3], point: [f64; 3]) -> bool {
+/// Names of the quantities of Hadeler.
+const COPOSITIVITY: [&str; 7] = [
+    "a11",
+    "a22",
+    "a33",
+    "a12 + √(a11 a22)",
+    "a13 + √(a11 a33)",
+    "a23 + √(a22 a33)",
+    "√(a11 a22 a33) + a12 √a33 + a13 √a22 + a23 √a11 + √(2 e12 e13 e23)",
+];
+
+/// Enclosure of the form at a point of the triangle.
+fn value_at(matrix: &[[TaylorModel; 3]; 3], point: [f64; 3]) -> TaylorModel {
     let mut sum = TaylorModel::ZERO;
     for (row, x) in matrix.iter().zip(point) {
         for (entry, y) in row.iter().zip(point) {
             sum = sum + TaylorModel::from_exact(x) * TaylorModel::from_exact(y) * *entry;
         }
     }
-    sum.certain_sign() == Some(-1)
+    sum
 }
 
 /// The point of the triangle xᵢ ≥ 0, Σ xᵢ = 1 with the least value of the form at the centre of the box, among vertices and

@@ -1,7 +1,7 @@
 //! Slip along layers in plane strain: signs of forms over all wave normals.
 
-use super::BoxVerdict;
 use super::direction_form::DirectionForm;
+use super::{BoxProof, BoxVerdict, claim};
 use models::common::scalar::Scalar;
 use models::common::taylor_model::TaylorModel;
 
@@ -68,20 +68,26 @@ impl SlippingLayers {
     /// Well-posed if both c² are real, different and positive in all directions but for the normal of the layers, where one
     /// vanishes: sum, discriminant and reduced product positive. Ill-posed if in one direction c² is complex (flutter:
     /// negative discriminant) or negative (shear band).
-    pub fn verdict(&self) -> BoxVerdict {
+    pub fn prove(&self) -> BoxProof {
         let Some(Invariants { sum, product, reduced_product }) = self.invariants() else {
-            return BoxVerdict::NotDecided;
+            return BoxProof::NONE;
         };
         let four = TaylorModel::from_exact(4.0);
         let discriminant = &(&sum * &sum) - &(four * &product);
-        let forms = [&discriminant, &reduced_product, &sum];
-        if forms.iter().any(|form| form.negative_direction().is_some()) {
-            BoxVerdict::IllPosed
-        } else if forms.iter().all(|form| form.is_positive()) {
-            BoxVerdict::WellPosed
-        } else {
-            BoxVerdict::NotDecided
+        let forms =
+            [("discriminant", &discriminant), ("product/t²", &reduced_product), ("sum", &sum)];
+        for (name, form) in forms {
+            if let Some((direction, range)) = form.prove_negative() {
+                let claims = vec![claim(name, Some(direction), range)];
+                return BoxProof { verdict: BoxVerdict::IllPosed, claims };
+            }
         }
+        let mut claims = Vec::new();
+        for (name, form) in forms {
+            let Some(found) = form.prove_positive() else { return BoxProof::NONE };
+            claims.extend(found.into_iter().map(|(own, range)| claim(name, Some(own), range)));
+        }
+        BoxProof { verdict: BoxVerdict::WellPosed, claims }
     }
 }
 

@@ -366,8 +366,11 @@ impl Scalar for TaylorModel {
     }
 
     fn atan2(self, x: Self) -> Self {
+        // By the quotient that is smaller in magnitude, if both divisors have a sign.
+        let is_steep = self.value.abs() > x.value.abs();
         match (self.sign(), x.sign()) {
-            (_, Some(1)) => (self / x).atan(),
+            (Some(0) | None, Some(1)) => (self / x).atan(),
+            (_, Some(1)) if !is_steep => (self / x).atan(),
             (Some(1), _) => Self::from_rounded(FRAC_PI_2) - (x / self).atan(),
             (Some(-1), _) => -Self::from_rounded(FRAC_PI_2) - (x / self).atan(),
             (Some(0), Some(-1)) => Self::from_rounded(PI),

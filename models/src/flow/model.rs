@@ -70,7 +70,7 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
         None
     }
 
-    /// Enclosures of the conditions for well-posedness over a box of states: a state is well-posed if all conditions are
+    /// Names and enclosures of the conditions for well-posedness over a box of states: a state is well-posed if all conditions are
     /// positive, and ill-posed if one is negative. The box is that of these enclosures of the constants, in the order of
     /// [`FlowModel::parameters`], and of the non-coaxiality Δ, rad. All states of the box are fully deforming; `flow` is
     /// one of them and has their gradients and accelerations; no number that varies over the box may be taken from it or
@@ -80,7 +80,7 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
         flow: &DeformingFlow,
         constants: &[TaylorModel],
         noncoaxiality: TaylorModel,
-    ) -> Option<Vec<TaylorModel>> {
+    ) -> Option<Vec<(&'static str, TaylorModel)>> {
         let _ = (flow, constants, noncoaxiality);
         None
     }
@@ -88,6 +88,13 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     /// Bound on the non-coaxiality |Δ|, rad, below which the leading growth rate is not positive in any direction;
     /// `None` for a model whose verdict does not depend on the non-coaxiality.
     fn noncoaxiality_bound(&self) -> Option<f64> {
+        None
+    }
+
+    /// Enclosure of [`noncoaxiality_bound`](Self::noncoaxiality_bound), rad, over a box of constants, in the order of
+    /// [`FlowModel::parameters`].
+    fn box_noncoaxiality_bound(&self, constants: &[TaylorModel]) -> Option<TaylorModel> {
+        let _ = constants;
         None
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::case::Case;
 use crate::case::dynamics::Blocks;
+use crate::report::point::CERTIFICATE_FILE;
 use files::checksums::Checksums;
 
 /// Name of the file with the resolved case.
@@ -27,7 +28,7 @@ pub const CERTIFIED_MAP_FILES: [&str; 2] = ["certified.png", "certified.svg"];
 
 /// Names of the files of `point`, in addition to the common files: the first two always, the others depending on the
 /// medium and its state.
-pub const POINT_FILES: [&str; 11] = [
+pub const POINT_FILES: [&str; 12] = [
     "point.json",
     "point.txt",
     "growth.png",
@@ -39,6 +40,7 @@ pub const POINT_FILES: [&str; 11] = [
     "linearised.npz",
     "directions.png",
     "directions.svg",
+    CERTIFICATE_FILE,
 ];
 
 /// Names of the files of `dispersion` for a solid, in addition to the common files.

@@ -5,8 +5,9 @@ use super::super::parameters::format_subtitle;
 use super::figure::create_axis;
 use crate::case::Case;
 use crate::study::MapResult;
+use crate::study::certified::CellVerdict;
 use crate::study::map::summary::MapAxis;
-use crate::study::map::{CELL_PARTS, CellVerdict, CertifiedMap};
+use crate::study::map::{CELL_PARTS, CertifiedMap};
 use figures::{FillStyle, Hatching, VerdictCategory, VerdictMap};
 use models::common::elementary::Elementary;
 

@@ -82,6 +82,11 @@ impl Report for MapResult {
         Ok(pictures)
     }
 
+    fn absent_file_names(&self) -> Vec<String> {
+        let names = ["png", "svg", "pdf"].map(|extension| format!("certified.{extension}"));
+        if self.certified.is_some() { Vec::new() } else { names.into() }
+    }
+
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {
         Ok(vec![("map.csv", tables::create_table(self)), ("map.npz", tables::create_arrays(self))])
     }

@@ -1,9 +1,12 @@
 //! Report on the analysis of one state.
 
+mod certified;
 mod equations;
 mod flow;
 mod flow_figures;
 mod solid;
+
+pub use certified::{CERTIFICATE_FILE, CertifiedPoint};
 
 use super::{DataFile, Report, ReportPicture};
 use crate::Error;
@@ -28,6 +31,10 @@ impl Report for PointResult {
             Self::Solid(found) => solid::create_pictures(case, found),
             Self::Equations(_) => Vec::new(),
         })
+    }
+
+    fn absent_file_names(&self) -> Vec<String> {
+        vec![CERTIFICATE_FILE.to_owned()]
     }
 
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, DataFile<'_>)>, Error> {

@@ -9,7 +9,7 @@ pub mod samples;
 pub mod summary;
 
 pub use boundaries::{MapBoundaries, STEP_PARTS};
-pub use certified::{CELL_PARTS, CellVerdict, CertifiedMap};
+pub use certified::{CELL_PARTS, CertifiedMap};
 pub use point_assessor::{MapPoint, PointSpeeds, PointStatus};
 pub use points::{MapCode, MapNumber, MapPoints};
 pub use samples::{MapSamples, WaveSample, sample_map};

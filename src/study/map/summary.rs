@@ -57,7 +57,7 @@ pub struct MapResult {
 }
 
 /// Serialises pairs of names and numbers as an object.
-pub(super) fn serialize_as_object<S: Serializer, N: Copy + Serialize>(
+pub(in crate::study) fn serialize_as_object<S: Serializer, N: Copy + Serialize>(
     pairs: &[(&'static str, N)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {

@@ -59,11 +59,12 @@ pub fn max_growth_coefficient(model: &DoubleShearing, deviator: Rounded, density
 
 /// Conditions for well-posedness over a box: −cos(φ − 2ν)/(sin e [cos e + sin ν]) with e = φ − ν, always negative: the
 /// square of [`max_growth_coefficient`] is a positive multiple of its magnitude.
-pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<TaylorModel>> {
+pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<(&'static str, TaylorModel)>> {
     let &[phi, nu, ..] = constants else { return None };
     let (cos, sin) =
         (|x: TaylorModel| x.apply(Function::Cos), |x: TaylorModel| x.apply(Function::Sin));
     let difference = phi - nu;
     let divisor = sin(difference) * (cos(difference) + sin(nu));
-    Some(vec![-(cos(difference - nu) / divisor)])
+    let condition = -(cos(difference - nu) / divisor);
+    Some(vec![("−cos(φ − 2ν)/(sin(φ − ν) (cos(φ − ν) + sin ν))", condition)])
 }

@@ -54,7 +54,7 @@ impl FlowLaw for DoubleShearing {
         _flow: &DeformingFlow,
         constants: &[TaylorModel],
         _noncoaxiality: TaylorModel,
-    ) -> Option<Vec<TaylorModel>> {
+    ) -> Option<Vec<(&'static str, TaylorModel)>> {
         closed_form::box_conditions(constants)
     }
 }

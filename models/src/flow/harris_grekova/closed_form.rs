@@ -123,16 +123,16 @@ pub fn box_conditions(
     flow: &DeformingFlow,
     constants: &[TaylorModel],
     noncoaxiality: TaylorModel,
-) -> Option<Vec<TaylorModel>> {
+) -> Option<Vec<(&'static str, TaylorModel)>> {
     let &[phi, nu, _, _, strength] = constants else { return None };
     let twice_delta = noncoaxiality + noncoaxiality;
     let cosine = twice_delta.apply(Function::Cos);
     if nu.is_structural_zero() {
-        return Some(vec![cosine]);
+        return Some(vec![("cos 2Δ", cosine)]);
     }
     let has_no_stress = strength.is_structural_zero() && flow.stress.rotational_stress == 0.0;
     let bound = ellipticity(phi, nu, twice_delta);
-    (is_uniform(flow) && has_no_stress).then(|| vec![cosine, bound])
+    (is_uniform(flow) && has_no_stress).then(|| vec![("cos 2Δ", cosine), ("ellipticity", bound)])
 }
 
 /// Whether the rate of the moment of inertia and all gradients except the velocity gradient are zero. Then DV/Dt = F by

@@ -62,11 +62,16 @@ impl FlowLaw for HarrisGrekova {
         flow: &DeformingFlow,
         constants: &[TaylorModel],
         noncoaxiality: TaylorModel,
-    ) -> Option<Vec<TaylorModel>> {
+    ) -> Option<Vec<(&'static str, TaylorModel)>> {
         closed_form::box_conditions(flow, constants, noncoaxiality)
     }
 
     fn noncoaxiality_bound(&self) -> Option<f64> {
         Some(HarrisGrekova::noncoaxiality_bound(self))
+    }
+
+    fn box_noncoaxiality_bound(&self, constants: &[TaylorModel]) -> Option<TaylorModel> {
+        let &[phi, nu, ..] = constants else { return None };
+        Some(parameters::noncoaxiality_bound(phi, nu))
     }
 }

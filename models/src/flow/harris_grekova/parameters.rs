@@ -3,6 +3,7 @@
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
 use crate::common::parameter::{define_parameters, to_constant_array};
+use crate::common::scalar::{Function, Scalar};
 use crate::flow::state::{FlowRule, MohrCoulomb, check_dilatancy};
 
 define_parameters! {
@@ -81,9 +82,7 @@ impl HarrisGrekova {
     /// For ν > 0 and |Δ| between the bound and π/2 minus the bound the growth rate is unbounded at finite wave numbers,
     /// or of order 3 if the stress angle has a gradient; for larger |Δ| up to π/2 it is of order 2.
     pub fn noncoaxiality_bound(&self) -> f64 {
-        let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
-        let opposite = (phi.cr_cos() * (phi - 2.0 * nu).cr_cos()).sqrt() * nu.cr_cos();
-        0.5 * opposite.cr_atan2(nu.cr_sin() * (phi - nu).cr_cos())
+        noncoaxiality_bound(self.coulomb.friction_angle, self.dilatancy_angle)
     }
 
     /// Computes the leading growth rate divided by k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (Harris & Grekova 2005,
@@ -112,4 +111,11 @@ impl HarrisGrekova {
                 * (2.0 * noncoaxiality).cr_cos()
                 * (1.0 - sin_phi * beta.cr_cos()))
     }
+}
+
+/// [`HarrisGrekova::noncoaxiality_bound`] for angles φ and ν of any number type.
+pub(super) fn noncoaxiality_bound<T: Scalar>(phi: T, nu: T) -> T {
+    let (cos, sin) = (|x: T| x.apply(Function::Cos), |x: T| x.apply(Function::Sin));
+    let opposite = (cos(phi) * cos(phi - (nu + nu))).apply(Function::Sqrt) * cos(nu);
+    T::from_exact(0.5) * opposite.atan2(sin(nu) * cos(phi - nu))
 }

@@ -40,7 +40,7 @@ pub fn closed_form_verdict(
 
 /// Conditions for well-posedness over a box: −|φ − ν|, negative but for associated flow. With cos β between sin ν and sin φ
 /// the growth coefficient is positive.
-pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<TaylorModel>> {
+pub fn box_conditions(constants: &[TaylorModel]) -> Option<Vec<(&'static str, TaylorModel)>> {
     let &[phi, nu, ..] = constants else { return None };
-    Some(vec![-(phi - nu).apply(Function::Abs)])
+    Some(vec![("−|φ − ν|", -(phi - nu).apply(Function::Abs))])
 }

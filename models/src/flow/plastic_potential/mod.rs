@@ -53,7 +53,7 @@ impl FlowLaw for PlasticPotential {
         _flow: &DeformingFlow,
         constants: &[TaylorModel],
         _noncoaxiality: TaylorModel,
-    ) -> Option<Vec<TaylorModel>> {
+    ) -> Option<Vec<(&'static str, TaylorModel)>> {
         closed_form::box_conditions(constants)
     }
 }

@@ -1,0 +1,157 @@
+//! Certificates of verdicts that are proved for all states of a box of parameters, and their verification.
+//!
+//! A [`Certificate`] states what is proved and on which enclosures the proof rests. [`Certificate::verify`] shares no code with
+//! the proof: it derives the deciding quantities anew, as polynomials with rational coefficients in the parameters of the box,
+//! in tangents of half angles and in the direction, and finds their signs from Bernstein coefficients in exact arithmetic.
+//! That the signs decide is a theorem, which `docs/theory.md` states for each [`Test`].
+
+mod angle;
+mod cone;
+mod coverage;
+mod flow;
+mod interval;
+mod layers;
+mod polynomial;
+mod quantity;
+mod verification;
+
+pub use verification::{Verification, VerificationError};
+
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// Version of the format of certificates; raised when a key changes its name or meaning.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Proof that a verdict holds for all states of a box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// [`FORMAT_VERSION`].
+    pub certificate: u32,
+    /// What is proved, in words for people; not verified.
+    pub statement: String,
+    /// What is tested.
+    pub test: Test,
+    /// The verdict on all states of the box.
+    pub verdict: ProvedVerdict,
+    /// Numbers that are constant, by their keys in case files and in the units of these: the decimals that are printed, exactly.
+    pub numbers: BTreeMap<String, f64>,
+    /// Numbers that run over the box, at most two.
+    #[serde(rename = "box")]
+    pub axes: Vec<Axis>,
+    /// Parts of the box, which cover it.
+    pub parts: Vec<Part>,
+    /// Least of the [margins](Claim::margin) of all claims.
+    pub least_margin: f64,
+}
+
+impl Certificate {
+    /// What is verified, in words: test, verdict and numbers.
+    pub fn describe(&self) -> String {
+        let of = match self.test {
+            Test::HarrisGrekova => "Harris-Grekova flow",
+            Test::DoubleShearing => "double shearing",
+            Test::PlasticPotential => "plastic potential",
+            Test::SlippingLayersPositive => "slipping layers, positive shear stress",
+            Test::SlippingLayersNegative => "slipping layers, negative shear stress",
+            Test::YieldCone => "yield cone in space",
+        };
+        let verdict = match self.verdict {
+            ProvedVerdict::WellPosed => "well-posed",
+            ProvedVerdict::IllPosed => "ill-posed",
+        };
+        let axes =
+            self.axes.iter().map(|own| format!("{} from {} to {}", own.key, own.from, own.to));
+        let numbers = self.numbers.iter().map(|(key, value)| format!("{key} = {value}"));
+        let all: Vec<String> = axes.chain(numbers).collect();
+        format!("{of} is {verdict} for {}", all.join(", "))
+    }
+}
+
+/// Test whose signs decide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Test {
+    /// Conditions in closed form of the Harris–Grekova model.
+    HarrisGrekova,
+    /// Condition in closed form of double shearing.
+    DoubleShearing,
+    /// Condition in closed form of the plastic potential.
+    PlasticPotential,
+    /// Sum, product and discriminant of both ρc² of a solid whose layers slip under positive shear stress, in the plane.
+    SlippingLayersPositive,
+    /// The same under negative shear stress.
+    SlippingLayersNegative,
+    /// Copositivity of the form of the determinant of the acoustic tensor of a classical solid with a yield cone, in space.
+    YieldCone,
+}
+
+/// Verdict on all states of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProvedVerdict {
+    /// All are well-posed, or have a well-posed leading symbol where docs/theory.md says so.
+    WellPosed,
+    /// All are ill-posed.
+    IllPosed,
+}
+
+/// Number that runs over a box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axis {
+    /// Key in case files.
+    pub key: String,
+    /// Least value, in the unit of the key: the decimal that is printed, exactly.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+}
+
+/// Part of a box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Least and largest value of the number of each axis.
+    #[serde(rename = "box")]
+    pub ends: Vec<[f64; 2]>,
+    /// Enclosures on which the proof rests.
+    pub claims: Vec<Claim>,
+}
+
+/// Enclosure of a deciding quantity over a part of a box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Name of the quantity.
+    pub quantity: Cow<'static, str>,
+    /// Directions for which the claim holds; `None` of a quantity without direction.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub directions: Option<Directions>,
+    /// Lower and upper bound on all values.
+    pub range: [f64; 2],
+}
+
+impl Claim {
+    /// Distance of the enclosure from zero by its largest magnitude, from 0 to 1; zero if it contains zero.
+    pub fn margin(&self) -> f64 {
+        let [low, high] = self.range;
+        let nearest = if low > 0.0 { low } else { (-high).max(0.0) };
+        if nearest > 0.0 { nearest / low.abs().max(high.abs()) } else { 0.0 }
+    }
+}
+
+/// Directions of a claim.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Directions {
+    /// One direction: components of the wave normal along and across the normal of layers, or squares of its components along
+    /// the principal axes. Of any length.
+    One(Vec<f64>),
+    /// The wave normals (1, s) with s from the first to the second number.
+    AlongNormal([f64; 2]),
+    /// The wave normals (s, 1).
+    AlongLayers([f64; 2]),
+}

@@ -1,0 +1,498 @@
+//! Verification of a certificate.
+
+use crate::angle::Angle;
+use crate::cone::Form;
+use crate::coverage::covers;
+use crate::flow;
+use crate::interval::Interval;
+use crate::layers::{Invariants, QUANTITIES};
+use crate::polynomial::{DIRECTION, Polynomial};
+use crate::quantity::Quantity;
+use crate::{Certificate, Claim, Directions, FORMAT_VERSION, Part, ProvedVerdict, Test};
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive, Zero};
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// Largest number of halvings of a part along each axis over which the direction of stress varies.
+const MAX_HALVINGS: u32 = 6;
+
+/// Name of the form of [`Test::YieldCone`].
+pub(crate) const FORM: &str = "xᵀAx";
+
+/// What has been verified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Verification {
+    /// Number of parts of the box.
+    pub part_count: usize,
+    /// Number of claims.
+    pub claim_count: usize,
+}
+
+/// Reason why a certificate proves nothing.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{}{problem}", .part.map(|index| format!("part {}: ", index + 1)).unwrap_or_default())]
+pub struct VerificationError {
+    /// Index of the part of the box; `None` of the whole certificate.
+    pub part: Option<usize>,
+    /// What is wrong.
+    problem: Problem,
+}
+
+/// What is wrong with a certificate.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub(crate) enum Problem {
+    #[error("{0}")]
+    Text(&'static str),
+    #[error("{key} = {value}, expected {expected}")]
+    Number { key: String, value: String, expected: &'static str },
+    #[error("there is no number {key}")]
+    Missing { key: String },
+    #[error("{quantity} is claimed to lie from {low:e} to {high:e}, but takes the value {value:e}")]
+    Outside { quantity: String, low: f64, high: f64, value: f64 },
+    #[error("{quantity} is not {expected} in all of it")]
+    Unsigned { quantity: String, expected: &'static str },
+    #[error("{quantity}: {cause}")]
+    Claim { quantity: String, cause: &'static str },
+}
+
+impl Problem {
+    pub(crate) const UNSIGNED_STRESS: Self = Self::Text("the stress deviator may vanish");
+
+    pub(crate) const fn new(text: &'static str) -> Self {
+        Self::Text(text)
+    }
+
+    fn claim(quantity: &str, cause: &'static str) -> Self {
+        Self::Claim { quantity: quantity.to_owned(), cause }
+    }
+}
+
+/// The decimal that is printed for a double, exactly.
+fn decimal(value: f64) -> Option<BigRational> {
+    if !value.is_finite() {
+        return None;
+    }
+    let text = format!("{value:e}");
+    let (digits, exponent) = text.split_once('e')?;
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let number: BigInt = format!("{whole}{fraction}").parse().ok()?;
+    let exponent = exponent.parse::<i32>().ok()? - i32::try_from(fraction.len()).ok()?;
+    let power = BigRational::from_integer(BigInt::from(10).pow(exponent.unsigned_abs()));
+    let number = BigRational::from_integer(number);
+    Some(if exponent < 0 { number / power } else { number * power })
+}
+
+/// A double, exactly.
+fn exact(value: f64) -> Option<BigRational> {
+    BigRational::from_float(value)
+}
+
+/// Numbers of a part of a box.
+#[derive(Clone)]
+pub(crate) struct Numbers<'a> {
+    constants: &'a BTreeMap<String, BigRational>,
+    /// Key, least and largest value by axis.
+    axes: Vec<(&'a str, [BigRational; 2])>,
+}
+
+impl Numbers<'_> {
+    fn axis(&self, key: &str) -> Option<(usize, &[BigRational; 2])> {
+        let index = self.axes.iter().position(|own| own.0 == key)?;
+        Some((index, &self.axes[index].1))
+    }
+
+    /// The number, linear in the variable of its axis.
+    pub(crate) fn value(&self, key: &str) -> Result<Polynomial, Problem> {
+        if let Some((index, [low, high])) = self.axis(key) {
+            let [low, high] = [low, high].map(|own| Interval::Exact(own.clone()));
+            return Ok(Polynomial::linear(index, &low, &high));
+        }
+        let found = self.constants.get(key).ok_or(Problem::Missing { key: key.to_owned() })?;
+        Ok(Polynomial::constant(Interval::Exact(found.clone())))
+    }
+
+    /// Interval of all values of the number.
+    pub(crate) fn enclosure(&self, key: &str) -> Result<Interval, Problem> {
+        match self.axis(key) {
+            Some((_, [low, high])) => Ok(Interval::new(low.clone(), high.clone())),
+            None => Ok(self.value(key)?.at_origin().clone()),
+        }
+    }
+
+    pub(crate) fn is_zero(&self, key: &str) -> bool {
+        self.axis(key).is_none() && self.constants.get(key).is_some_and(Zero::is_zero)
+    }
+
+    /// The angle given in degrees. Over the box its half tangent is the variable of its axis, between rational numbers that
+    /// enclose those of its ends.
+    pub(crate) fn angle(&self, key: &str) -> Result<Angle, Problem> {
+        let tangent = |degrees: &BigRational| {
+            Interval::half_tangent(degrees).ok_or_else(|| Problem::Number {
+                key: key.to_owned(),
+                value: degrees.to_f64().unwrap_or(f64::NAN).to_string(),
+                expected: "an angle between -180 and 180",
+            })
+        };
+        let t = match self.axis(key) {
+            Some((index, [low, high])) => {
+                let ([low, _], [_, high]) = (tangent(low)?.ends(), tangent(high)?.ends());
+                Polynomial::linear(index, &Interval::Exact(low), &Interval::Exact(high))
+            }
+            None => {
+                let found =
+                    self.constants.get(key).ok_or(Problem::Missing { key: key.to_owned() })?;
+                Polynomial::constant(tangent(found)?)
+            }
+        };
+        Ok(Angle::from_half_tangent(&t))
+    }
+
+    /// The corners of the part and its middle, as numbers without a range.
+    fn samples(&self) -> Vec<Self> {
+        let at = |place: &dyn Fn(usize) -> [i64; 2]| {
+            let axes = self.axes.iter().enumerate().map(|(index, (key, [low, high]))| {
+                let [a, b] = place(index).map(|own| BigRational::new(own.into(), 2.into()));
+                let value = low * a + high * b;
+                (*key, [value.clone(), value])
+            });
+            Self { constants: self.constants, axes: axes.collect() }
+        };
+        let corners = (0..1_usize << self.axes.len())
+            .map(|corner| at(&|index| if corner >> index & 1 == 0 { [2, 0] } else { [0, 2] }));
+        corners.chain([at(&|_| [1, 1])]).collect()
+    }
+
+    /// The halves along each axis.
+    fn divide(&self) -> Vec<Self> {
+        let mut all = vec![self.clone()];
+        for index in 0..self.axes.len() {
+            let [low, high] = &self.axes[index].1;
+            let middle = (low + high) / BigRational::from_integer(2.into());
+            let halves = [[low.clone(), middle.clone()], [middle, high.clone()]];
+            let own = all.iter().flat_map(|part| {
+                halves.iter().map(|half| {
+                    let mut part = part.clone();
+                    part.axes[index].1 = half.clone();
+                    part
+                })
+            });
+            all = own.collect();
+        }
+        all
+    }
+}
+
+impl Certificate {
+    /// Verifies that the certificate proves its verdict: its parts cover the box, the deciding quantities have the claimed
+    /// signs in all of each part, and no claimed range leaves out a value at a corner or the middle of its part.
+    ///
+    /// # Errors
+    /// The first of these that does not hold.
+    pub fn verify(&self) -> Result<Verification, VerificationError> {
+        let whole = |problem: Problem| VerificationError { part: None, problem };
+        if self.certificate != FORMAT_VERSION {
+            return Err(whole(Problem::Number {
+                key: "certificate".to_owned(),
+                value: self.certificate.to_string(),
+                expected: "1, the format that this program reads",
+            }));
+        }
+        let constants = self.read_constants().map_err(whole)?;
+        let axes = self.read_axes(&constants).map_err(whole)?;
+        let parts: Vec<Vec<[BigRational; 2]>> =
+            self.parts.iter().map(read_ends).collect::<Result<_, _>>().map_err(whole)?;
+        if !covers(&axes, &parts) {
+            return Err(whole(Problem::Text("the parts do not cover the box, or overlap")));
+        }
+        let claims = || self.parts.iter().flat_map(|part| &part.claims);
+        let least = claims().map(Claim::margin).fold(f64::INFINITY, f64::min);
+        if self.least_margin != least {
+            return Err(whole(Problem::Number {
+                key: "least_margin".to_owned(),
+                value: self.least_margin.to_string(),
+                expected: "the least margin of the claims",
+            }));
+        }
+        for (index, (part, ends)) in self.parts.iter().zip(parts).enumerate() {
+            let axes = self.axes.iter().map(|own| own.key.as_str()).zip(ends).collect();
+            let numbers = Numbers { constants: &constants, axes };
+            self.verify_part(part, &numbers)
+                .map_err(|problem| VerificationError { part: Some(index), problem })?;
+        }
+        Ok(Verification { part_count: self.parts.len(), claim_count: claims().count() })
+    }
+
+    fn read_constants(&self) -> Result<BTreeMap<String, BigRational>, Problem> {
+        let read = |(key, value): (&String, &f64)| {
+            let number = decimal(*value).ok_or_else(|| Problem::Number {
+                key: key.clone(),
+                value: value.to_string(),
+                expected: "a finite number",
+            })?;
+            Ok((key.clone(), number))
+        };
+        self.numbers.iter().map(read).collect()
+    }
+
+    fn read_axes(
+        &self,
+        constants: &BTreeMap<String, BigRational>,
+    ) -> Result<Vec<[BigRational; 2]>, Problem> {
+        if self.axes.len() > 2 {
+            return Err(Problem::Text("the box has more than two numbers"));
+        }
+        let read = |(index, own): (usize, &crate::Axis)| {
+            let is_given_twice = self.axes[..index].iter().any(|other| other.key == own.key)
+                || constants.contains_key(&own.key);
+            let ends = [decimal(own.from), decimal(own.to)];
+            match ends {
+                [Some(low), Some(high)] if low <= high && !is_given_twice => Ok([low, high]),
+                _ => Err(Problem::Number {
+                    key: own.key.clone(),
+                    value: format!("{} to {}", own.from, own.to),
+                    expected: "a range of a number that is given once",
+                }),
+            }
+        };
+        self.axes.iter().enumerate().map(read).collect()
+    }
+
+    fn verify_part(&self, part: &Part, numbers: &Numbers) -> Result<(), Problem> {
+        if part.claims.is_empty() {
+            return Err(Problem::Text("nothing is claimed"));
+        }
+        match self.test {
+            Test::HarrisGrekova | Test::DoubleShearing | Test::PlasticPotential => {
+                self.verify_flow(part, numbers)
+            }
+            Test::SlippingLayersPositive => self.verify_layers(part, numbers, true),
+            Test::SlippingLayersNegative => self.verify_layers(part, numbers, false),
+            Test::YieldCone => self.verify_cone(part, numbers),
+        }
+    }
+
+    /// Checks that a quantity has the sign that the verdict asks for.
+    fn check_sign(&self, name: &str, quantity: &Quantity) -> Result<(), Problem> {
+        let (has_sign, expected) = match self.verdict {
+            ProvedVerdict::WellPosed => (quantity.is_positive(), "positive"),
+            ProvedVerdict::IllPosed => (quantity.is_negative(), "negative"),
+        };
+        match has_sign {
+            true => Ok(()),
+            false => Err(Problem::Unsigned { quantity: name.to_owned(), expected }),
+        }
+    }
+
+    /// Checks that the claims name each of these quantities if all must be positive, and else none but these.
+    fn check_names(&self, part: &Part, names: &[&str]) -> Result<(), Problem> {
+        let is_claimed = |name: &&str| part.claims.iter().any(|own| own.quantity == *name);
+        if let Some(own) = part.claims.iter().find(|own| !names.contains(&own.quantity.as_ref())) {
+            return Err(Problem::claim(&own.quantity, "unknown quantity"));
+        }
+        match names.iter().find(|name| !is_claimed(name)) {
+            Some(name) if self.verdict == ProvedVerdict::WellPosed => {
+                Err(Problem::claim(name, "nothing is claimed of it"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn verify_flow(&self, part: &Part, numbers: &Numbers) -> Result<(), Problem> {
+        let all = flow::conditions(self.test, numbers)?;
+        let names: Vec<&str> = all.iter().map(|own| own.0).collect();
+        self.check_names(part, &names)?;
+        let samples = numbers.samples();
+        let samples: Vec<_> = samples
+            .iter()
+            .map(|own| flow::conditions(self.test, own))
+            .collect::<Result<_, Problem>>()?;
+        for claim in &part.claims {
+            if claim.directions.is_some() {
+                return Err(Problem::claim(&claim.quantity, "it does not depend on directions"));
+            }
+            let index = names.iter().position(|own| *own == claim.quantity).unwrap_or(0);
+            self.check_sign(&claim.quantity, &all[index].1)?;
+            for sample in &samples {
+                check_range(claim, sample[index].1.at_origin())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn verify_layers(
+        &self,
+        part: &Part,
+        numbers: &Numbers,
+        is_positive: bool,
+    ) -> Result<(), Problem> {
+        self.check_names(part, &QUANTITIES)?;
+        let (one, samples) = (Interval::whole(1), numbers.samples());
+        // By the wave normals (1, s) and (s, 1).
+        let charts = |numbers: &Numbers| {
+            Ok([
+                Invariants::new(numbers, is_positive, Some(&one))?,
+                Invariants::new(numbers, is_positive, None)?,
+            ])
+        };
+        let over_box = charts(numbers)?;
+        let at_samples: Vec<[Invariants; 2]> =
+            samples.iter().map(charts).collect::<Result<_, Problem>>()?;
+        let mut covered: [[Vec<Vec<[BigRational; 2]>>; 2]; 3] = Default::default();
+        for claim in &part.claims {
+            let name = claim.quantity.as_ref();
+            let index = QUANTITIES.iter().position(|own| *own == name).unwrap_or(0);
+            let (chart, ends) = match (&claim.directions, self.verdict) {
+                (Some(Directions::AlongNormal(ends)), ProvedVerdict::WellPosed) => (0, *ends),
+                (Some(Directions::AlongLayers(ends)), ProvedVerdict::WellPosed) => (1, *ends),
+                (Some(Directions::One(own)), ProvedVerdict::IllPosed) if own.len() == 2 => {
+                    self.verify_direction(claim, index, own, (numbers, &samples), is_positive)?;
+                    continue;
+                }
+                _ => return Err(Problem::claim(name, "directions do not suit the verdict")),
+            };
+            let [Some(low), Some(high)] = ends.map(exact) else {
+                return Err(Problem::claim(name, "directions are no numbers"));
+            };
+            covered[index][chart].push(vec![[low.clone(), high.clone()]]);
+            let [low, high] = [low, high].map(Interval::Exact);
+            let own = over_box[chart].0[index].restrict(DIRECTION, &low, &high);
+            self.check_sign(name, &own)?;
+            for sample in &at_samples {
+                for end in [&low, &high] {
+                    let own = sample[chart].0[index].restrict(DIRECTION, end, end);
+                    check_range(claim, own.at_origin())?;
+                }
+            }
+        }
+        if self.verdict == ProvedVerdict::WellPosed {
+            let all = [[-1, 1].map(|own| BigRational::from_integer(own.into()))];
+            for (name, charts) in QUANTITIES.iter().zip(covered) {
+                if !charts.iter().all(|own| covers(&all, own)) {
+                    return Err(Problem::claim(name, "its directions are not all covered"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Verifies a claim on one wave normal.
+    fn verify_direction(
+        &self,
+        claim: &Claim,
+        index: usize,
+        direction: &[f64],
+        (numbers, samples): (&Numbers, &[Numbers]),
+        is_positive: bool,
+    ) -> Result<(), Problem> {
+        let [Some(n), Some(t)] = [exact(direction[0]), exact(direction[1])] else {
+            return Err(Problem::claim(&claim.quantity, "directions are no numbers"));
+        };
+        let [n, t] = [n, t].map(Interval::Exact);
+        let value = |numbers: &Numbers| {
+            let all = Invariants::new(numbers, is_positive, Some(&n))?;
+            Ok(all.0[index].restrict(DIRECTION, &t, &t))
+        };
+        self.check_sign(&claim.quantity, &value(numbers)?)?;
+        samples.iter().try_for_each(|own| check_range(claim, value(own)?.at_origin()))
+    }
+
+    fn verify_cone(&self, part: &Part, numbers: &Numbers) -> Result<(), Problem> {
+        let samples =
+            numbers.samples().iter().map(Form::new).collect::<Result<Vec<_>, Problem>>()?;
+        let point = match (self.verdict, &part.claims[..]) {
+            (ProvedVerdict::WellPosed, claims) => {
+                for sample in &samples {
+                    let all = sample.copositivity().ok_or(Problem::Unsigned {
+                        quantity: FORM.to_owned(),
+                        expected: "positive",
+                    })?;
+                    self.check_names(part, &all.each_ref().map(|own| own.0))?;
+                    for claim in claims {
+                        let own = all.iter().find(|own| own.0 == claim.quantity);
+                        check_range(claim, own.map(|own| own.1.clone()))?;
+                    }
+                }
+                None
+            }
+            (ProvedVerdict::IllPosed, [claim]) => {
+                self.check_names(part, &[FORM])?;
+                let cause = "expected one point with squares of components, not negative";
+                let Some(Directions::One(own)) = &claim.directions else {
+                    return Err(Problem::claim(FORM, cause));
+                };
+                let point: Option<Vec<BigRational>> = own.iter().map(|&x| exact(x)).collect();
+                let point: Option<[BigRational; 3]> = point.and_then(|own| own.try_into().ok());
+                let is_valid = |own: &[BigRational; 3]| {
+                    own.iter().all(|x| !x.is_negative()) && own.iter().any(|x| x.is_positive())
+                };
+                let point = point.filter(is_valid).ok_or(Problem::claim(FORM, cause))?;
+                for sample in &samples {
+                    check_range(claim, sample.at(&point).at_origin())?;
+                }
+                Some(point)
+            }
+            _ => return Err(Problem::claim(FORM, "expected one claim")),
+        };
+        self.verify_form(numbers, point.as_ref(), MAX_HALVINGS)
+    }
+
+    /// Verifies the sign of the form, and what it presumes, over a part, which is divided if the direction of stress varies in
+    /// it.
+    fn verify_form(
+        &self,
+        numbers: &Numbers,
+        point: Option<&[BigRational; 3]>,
+        halvings: u32,
+    ) -> Result<(), Problem> {
+        let check = || {
+            let form = Form::new(numbers)?;
+            if !form.premises.iter().all(Quantity::is_positive) {
+                return Err(Problem::Text("the solid has no response, or does not yield"));
+            }
+            match point {
+                Some(point) => self.check_sign(FORM, &form.at(point)),
+                None if form.is_positive() => Ok(()),
+                None => Err(Problem::Unsigned { quantity: FORM.to_owned(), expected: "positive" }),
+            }
+        };
+        let found = check();
+        let varies = numbers.axes.iter().any(|own| own.0.starts_with("stress."));
+        if found.is_ok() || !varies || halvings == 0 {
+            return found;
+        }
+        let parts = numbers.divide();
+        parts.iter().try_for_each(|own| self.verify_form(own, point, halvings - 1))
+    }
+}
+
+/// The ends of a part, as decimals.
+fn read_ends(part: &Part) -> Result<Vec<[BigRational; 2]>, Problem> {
+    let read = |[low, high]: &[f64; 2]| match [decimal(*low), decimal(*high)] {
+        [Some(low), Some(high)] => Ok([low, high]),
+        _ => Err(Problem::Text("the ends of a part are no numbers")),
+    };
+    part.ends.iter().map(read).collect()
+}
+
+/// Checks that the claimed range contains a value.
+fn check_range(claim: &Claim, value: Option<Interval>) -> Result<(), Problem> {
+    let [low, high] = claim.range;
+    let cause = "the range is no interval of numbers";
+    let [Some(least), Some(most)] = [exact(low), exact(high)] else {
+        return Err(Problem::claim(&claim.quantity, cause));
+    };
+    let value = value.ok_or_else(|| Problem::claim(&claim.quantity, "a divisor may vanish"))?;
+    let [low_value, high_value] = value.ends();
+    if low_value >= least && high_value <= most {
+        return Ok(());
+    }
+    let outside = if low_value < least { low_value } else { high_value };
+    Err(Problem::Outside {
+        quantity: claim.quantity.to_string(),
+        low,
+        high,
+        value: outside.to_f64().unwrap_or(f64::NAN),
+    })
+}
