@@ -2,6 +2,7 @@
 
 use crate::program::{create_folder, run_with_exit_code};
 use certificates::{Certificate, Directions, ProvedVerdict};
+use rayon::prelude::*;
 use testkit::random::RandomNumbers;
 use wellposed::case::Case;
 use wellposed::study::{BoxRange, certify_state};
@@ -57,33 +58,69 @@ const FAMILIES: [(&str, &[&str], &[(&str, f64, f64)]); 7] = [
     ),
 ];
 
-/// Certificates of random boxes of a share `size` of the ranges of two numbers.
+/// A random box of a share `size` of the ranges of two of these numbers.
+fn draw_box(random: &mut RandomNumbers, numbers: &[(&str, f64, f64)], size: f64) -> [BoxRange; 2] {
+    let first = random.uniform_index(numbers.len());
+    let second = (first + 1 + random.uniform_index(numbers.len() - 1)) % numbers.len();
+    [first, second].map(|index| {
+        let (key, low, high) = numbers[index];
+        let width = size * (high - low);
+        let start = random.uniform(low, high - width);
+        // Seven decimals, as in files.
+        let ends = [start, start + width].map(|own| (own * 1e7).round() / 1e7);
+        BoxRange { key: key.to_owned(), ends }
+    })
+}
+
+/// Certificates of `count` random boxes of each family, of those that are proved.
 fn certify_random_boxes(count: usize, size: f64) -> Vec<Certificate> {
-    let random = &mut RandomNumbers::new(91);
     let mut all = Vec::new();
     for (name, settings, numbers) in FAMILIES {
-        let settings: Vec<String> = settings.iter().map(|own| (*own).to_owned()).collect();
-        let path = format!("cases/{name}.toml");
-        let case = Case::load(path.as_ref(), &settings).expect("a bundled case");
-        let mut found = 0;
-        for _ in 0..count {
-            let first = random.uniform_index(numbers.len());
-            let second = (first + 1 + random.uniform_index(numbers.len() - 1)) % numbers.len();
-            let ranges = [first, second].map(|index| {
-                let (key, low, high) = numbers[index];
-                let width = size * (high - low);
-                let start = random.uniform(low, high - width);
-                // Seven decimals, as in files.
-                let ends = [start, start + width].map(|own| (own * 1e7).round() / 1e7);
-                BoxRange { key: key.to_owned(), ends }
-            });
-            let proved = certify_state(&case, &ranges).expect("a case with a proof");
-            found += usize::from(proved.certificate.is_some());
-            all.extend(proved.certificate);
-        }
+        let case = load(name, settings);
+        let certify = |index: u64| {
+            let random = &mut RandomNumbers::with_salt(91, index);
+            let ranges = draw_box(random, numbers, size);
+            certify_state(&case, &ranges).expect("a case with a proof").certificate
+        };
+        let before = all.len();
+        all.extend((0..count as u64).filter_map(certify));
+        let found = all.len() - before;
         assert!(4 * found >= count, "{name}: {found} of {count} boxes proved");
     }
     all
+}
+
+fn load(name: &str, settings: &[&str]) -> Case {
+    let settings: Vec<String> = settings.iter().map(|own| (*own).to_owned()).collect();
+    Case::load(format!("cases/{name}.toml").as_ref(), &settings).expect("a bundled case")
+}
+
+/// A hundred thousand boxes of four sizes: the enclosures contain what exact fractions, or 57 digits where there are angles or
+/// directions of stress, give at corners and in the middle, and their signs hold.
+#[test]
+#[ignore = "takes long; part of .ci/long"]
+fn hundred_thousand_boxes_are_verified() {
+    let sizes = [0.0003, 0.001, 0.003, 0.01];
+    let mut total = 0;
+    for (name, settings, numbers) in FAMILIES {
+        let case = load(name, settings);
+        let verify = |index: u64| {
+            let random = &mut RandomNumbers::with_salt(92, index);
+            let ranges = draw_box(random, numbers, sizes[index as usize % sizes.len()]);
+            let proved = certify_state(&case, &ranges).expect("a case with a proof");
+            let Some(own) = proved.certificate else { return (0, 0) };
+            let found = own.verify();
+            assert!(found.is_ok(), "{found:?}: {}", own.describe());
+            (1, own.parts.len())
+        };
+        let counts: Vec<(usize, usize)> = (0..15_000_u64).into_par_iter().map(verify).collect();
+        let boxes: usize = counts.iter().map(|own| own.0).sum();
+        let parts: usize = counts.iter().map(|own| own.1).sum();
+        println!("{name}: {boxes} of {} boxes proved and verified, {parts} parts", counts.len());
+        assert!(10 * boxes > 9 * counts.len(), "{name}: {boxes}");
+        total += parts;
+    }
+    assert!(total > 100_000, "{total}");
 }
 
 #[test]
@@ -200,11 +237,10 @@ fn forgeries_are_refused() {
 /// The bound on the non-coaxiality over a box contains that of every state, and is hardly wider.
 #[test]
 fn bound_on_noncoaxiality_is_enclosed() {
-    let path = "cases/granular-flow/dilatant-domain.toml";
     let ranges =
         [("model.friction_angle_deg", [28.0, 36.0]), ("model.dilatancy_angle_deg", [0.0, 20.0])];
     let ranges = ranges.map(|(key, ends)| BoxRange { key: key.to_owned(), ends });
-    let case = Case::load(path.as_ref(), &[]).expect("a bundled case");
+    let case = load("granular-flow/dilatant-domain", &[]);
     let [low, high] = certify_state(&case, &ranges)
         .expect("a case with a proof")
         .noncoaxiality_bound_deg

@@ -8,9 +8,14 @@ use crate::verification::{Numbers, Problem};
 /// Names of the quantities of [`Invariants`].
 pub(crate) const QUANTITIES: [&str; 3] = ["discriminant", "product/t²", "sum"];
 
-/// Discriminant, product divided by t² and sum of both ρc², as forms in the wave normal (n, t) along and across the normal of
-/// the layers, of which one component is the variable of the direction.
-pub(crate) struct Invariants(pub(crate) [Quantity; 3]);
+/// Forms in the wave normal (n, t) along and across the normal of the layers, of which one component is the variable of the
+/// direction.
+pub(crate) struct Invariants {
+    /// Discriminant, product divided by t² and sum of both ρc².
+    pub(crate) forms: [Quantity; 3],
+    /// h, by which the solid has a response if it is positive.
+    pub(crate) stiffness: Quantity,
+}
 
 impl Invariants {
     /// For the wave normals (n, t): the second component is the variable s if `first` is given, else the first is.
@@ -75,13 +80,12 @@ impl Invariants {
             None => product,
         };
         let square = &h * &h;
-        Ok(Self(
-            [
-                Quantity::new(discriminant, square.clone()),
-                Quantity::new(reduced, square),
-                Quantity::new(sum, h),
-            ]
-            .map(Quantity::spread),
-        ))
+        let stiffness = Quantity::new(h.clone(), Polynomial::whole(1));
+        let forms = [
+            Quantity::new(discriminant, square.clone()),
+            Quantity::new(reduced, square),
+            Quantity::new(sum, h),
+        ];
+        Ok(Self { forms: forms.map(Quantity::spread), stiffness })
     }
 }

@@ -58,6 +58,7 @@ pub(crate) enum Problem {
 }
 
 impl Problem {
+    const NO_RESPONSE: Self = Self::Text("the solid has no response, or does not yield");
     pub(crate) const UNSIGNED_STRESS: Self = Self::Text("the stress deviator may vanish");
 
     pub(crate) const fn new(text: &'static str) -> Self {
@@ -337,6 +338,9 @@ impl Certificate {
             ])
         };
         let over_box = charts(numbers)?;
+        if !over_box[0].stiffness.is_positive() {
+            return Err(Problem::NO_RESPONSE);
+        }
         let at_samples: Vec<[Invariants; 2]> =
             samples.iter().map(charts).collect::<Result<_, Problem>>()?;
         let mut covered: [[Vec<Vec<[BigRational; 2]>>; 2]; 3] = Default::default();
@@ -357,11 +361,11 @@ impl Certificate {
             };
             covered[index][chart].push(vec![[low.clone(), high.clone()]]);
             let [low, high] = [low, high].map(Interval::Exact);
-            let own = over_box[chart].0[index].restrict(DIRECTION, &low, &high);
+            let own = over_box[chart].forms[index].restrict(DIRECTION, &low, &high);
             self.check_sign(name, &own)?;
             for sample in &at_samples {
                 for end in [&low, &high] {
-                    let own = sample[chart].0[index].restrict(DIRECTION, end, end);
+                    let own = sample[chart].forms[index].restrict(DIRECTION, end, end);
                     check_range(claim, own.at_origin())?;
                 }
             }
@@ -392,7 +396,7 @@ impl Certificate {
         let [n, t] = [n, t].map(Interval::Exact);
         let value = |numbers: &Numbers| {
             let all = Invariants::new(numbers, is_positive, Some(&n))?;
-            Ok(all.0[index].restrict(DIRECTION, &t, &t))
+            Ok(all.forms[index].restrict(DIRECTION, &t, &t))
         };
         self.check_sign(&claim.quantity, &value(numbers)?)?;
         samples.iter().try_for_each(|own| check_range(claim, value(own)?.at_origin()))
@@ -449,7 +453,7 @@ impl Certificate {
         let check = || {
             let form = Form::new(numbers)?;
             if !form.premises.iter().all(Quantity::is_positive) {
-                return Err(Problem::Text("the solid has no response, or does not yield"));
+                return Err(Problem::NO_RESPONSE);
             }
             match point {
                 Some(point) => self.check_sign(FORM, &form.at(point)),

@@ -6,24 +6,35 @@ use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use wellposed::case::ContinuumOptions;
 use wellposed::models::interface::continuum::OpeningLimit;
+use wellposed::report::point::CertifiedPoint;
 use wellposed::setup::check::CheckExtent;
 use wellposed::study::simulate::{
     OutputFields, SimulationSettings, simulate, simulate_with_snapshots,
 };
-use wellposed::study::{self, MapOptions};
+use wellposed::study::{self, BoxRange, MapOptions};
 
 type Progress<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Analyses the state of a case.
+/// Analyses the state of a case; with ranges of numbers, also proves the verdict for all states in them, or for this state
+/// if there are none.
 #[pyfunction]
-#[pyo3(signature = (case, progress, threads))]
+#[pyo3(signature = (case, ranges, progress, threads))]
 pub fn point(
     py: Python<'_>,
     case: &RawCase,
+    ranges: Option<Vec<(String, f64, f64)>>,
     progress: Progress,
     threads: Option<usize>,
 ) -> PyResult<RawResult> {
-    case.compute(py, progress, threads, study::analyse_point)
+    let Some(ranges) = ranges else {
+        return case.compute(py, progress, threads, study::analyse_point);
+    };
+    let range = |(key, low, high)| BoxRange { key, ends: [low, high] };
+    let ranges: Vec<BoxRange> = ranges.into_iter().map(range).collect();
+    case.compute(py, progress, threads, |case, progress| {
+        let certified = study::certify_state(case, &ranges)?;
+        Ok(CertifiedPoint { point: study::analyse_point(case, progress)?, certified })
+    })
 }
 
 /// Computes the verdict over two parameters.

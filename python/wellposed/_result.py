@@ -184,6 +184,12 @@ class PointResult(Result):
         """Growth coefficient lim Re ς / k^order, m^order/s."""
         return _number(self.attributes.get("coefficient"))
 
+    @property
+    def certified(self) -> Optional[dict[str, Any]]:
+        """What is proved of all states of a box: ``verdict``, ``method``, ``box``, ``shares``; ``None`` if it was not asked for."""
+        found = self.attributes.get("certified")
+        return found if isinstance(found, dict) else None
+
 
 class MapResult(Result):
     """Verdict over two parameters."""

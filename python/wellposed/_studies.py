@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Optional, TypeVar
 
 from . import _wellposed
@@ -41,6 +41,8 @@ def point(
     case: CaseSource,
     *,
     set: Overrides = None,
+    certified: bool = False,
+    over: Optional[Mapping[str, tuple[float, float]]] = None,
     threads: Optional[int] = None,
     progress: Progress = True,
 ) -> PointResult:
@@ -52,6 +54,11 @@ def point(
         The case: see :class:`Case`.
     set : dict or iterable of str, optional
         Overrides of keys, such as ``{"background.pressure": 1e3}``.
+    certified : bool
+        Whether to prove the verdict: :attr:`PointResult.certified`.
+    over : dict, optional
+        Least and largest values of at most two numbers, such as ``{"model.friction_angle_deg": (29, 31)}``: proves the verdict
+        for all states between them.
     threads : int, optional
         Number of threads; by default one per core. Results do not depend on it.
     progress : bool or callable
@@ -75,10 +82,15 @@ def point(
     >>> state = {"background.noncoaxiality_deg": 50}
     >>> wellposed.point("noncoaxiality-bound", set=state).verdict
     'ill-posed'
+    >>> box = {"background.noncoaxiality_deg": (-44, 44), "model.friction_angle_deg": (20, 40)}
+    >>> wellposed.point("noncoaxiality-bound", over=box).certified["verdict"]
+    'proved well-posed'
     """
     own = read_case(case, set)
+    ends = [(key, float(low), float(high)) for key, (low, high) in (over or {}).items()]
+    ranges = ends if certified or ends else None
     with open_progress(progress, "point") as report:
-        raw = _wellposed.point(own._raw, report, threads)
+        raw = _wellposed.point(own._raw, ranges, report, threads)
     return _finish(PointResult, raw, own)
 
 

@@ -38,7 +38,12 @@ class RawResult:
     def picture_names(self) -> list[str]: ...
     def draw(self, name: str, format: str) -> bytes: ...
 
-def point(case: RawCase, progress: Progress, threads: int | None) -> RawResult: ...
+def point(
+    case: RawCase,
+    ranges: list[tuple[str, float, float]] | None,
+    progress: Progress,
+    threads: int | None,
+) -> RawResult: ...
 def map(
     case: RawCase,
     bound: bool,
