@@ -14,7 +14,7 @@ mod bloch;
 mod bound;
 #[path = "brute_force.rs"]
 mod brute_force;
-#[path = "certified.rs"]
+#[path = "certified/main.rs"]
 mod certified;
 #[path = "characteristics.rs"]
 mod characteristics;
