@@ -24,6 +24,15 @@ pub(crate) struct FacePolynomial {
     collision_angles: OnceCell<StackList<f64>>,
 }
 
+/// An angle at which a coefficient of a face polynomial vanishes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CoefficientZero {
+    /// Angle α, rad, in [0, π).
+    pub(crate) angle: f64,
+    /// Bound on the error of the angle, rad.
+    pub(crate) bound: f64,
+}
+
 /// Angles closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
 const LAYER_DISTANCE: f64 = 1e-7;
 /// Sectors between collisions closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
@@ -114,18 +123,15 @@ impl FacePolynomial {
     }
 
     /// Angles in [0, π) at which the coefficient of c^`power` vanishes, except exact zeros on the axes (0 and π/2).
-    pub(crate) fn zeros_of_coefficient(&self, power: usize) -> StackList<f64> {
-        let form = &self.coefficients[power];
-        let first = form.iter().take_while(|c| c.is_zero()).count();
-        let end = form.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
-        if end <= first + 1 {
-            return StackList::new();
-        }
-        let plain: StackList<Complex64> = form[first..end].iter().map(|c| c.value).collect();
-        roots::solve(&plain)
+    pub(crate) fn zeros_of_coefficient(&self, power: usize) -> StackList<CoefficientZero> {
+        solve_nonzero_roots(&self.coefficients[power])
             .into_iter()
-            .filter(|t| t.im.abs() <= 1e-7 * t.modulus())
-            .map(|t| t.re.cr_atan().rem_euclid(PI))
+            .filter(|t| t.value.im.abs() <= t.bound.max(1e-7 * t.value.modulus()))
+            .map(|t| CoefficientZero {
+                angle: t.value.re.cr_atan().rem_euclid(PI),
+                // Offsets tan α with this error.
+                bound: t.bound / (1.0 + t.value.re * t.value.re),
+            })
             .collect()
     }
 

@@ -21,11 +21,11 @@ use crate::list::{StackList, list};
 use crate::newton_polygon::{GrowthOrder, is_on_edge, newton_polygon_corners};
 use crate::pencil::Pencil;
 use crate::polynomial::DispersionTerm;
-use crate::puiseux::{self, Monomial};
+use crate::puiseux::{self, Monomial, UNDECIDED_RELATIVE_BOUND};
 use crate::root_collisions::{RootCollision, find_collisions};
 use crate::rounded_complex::{RoundedComplex, imaginary_power};
 use models::Rounded;
-use models::common::elementary::{Elementary, cr_arg};
+use models::common::elementary::{Elementary, Modulus, cr_arg};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
@@ -497,7 +497,8 @@ fn search_collisions(
             if !root.is_neutral() || zeros.iter().any(|z| angular_distance(z.angle, angle) < 1e-9) {
                 continue;
             }
-            if !is_accurate {
+            let is_resolved = root.bound <= UNDECIDED_RELATIVE_BOUND * root.value.modulus();
+            if !is_accurate || !is_resolved {
                 accumulator.record_undecided_contact(edge.order, angle);
                 continue;
             }

@@ -7,7 +7,7 @@
 //! neutral roots are continued by Puiseux series. Where roots vanish, become infinite or collide, a further chart is
 //! opened.
 
-use crate::face_polynomial::FacePolynomial;
+use crate::face_polynomial::{CoefficientZero, FacePolynomial};
 use crate::form::{BinaryForm, FormZero};
 use crate::growth_accumulator::GrowthAccumulator;
 use crate::list::{StackList, list};
@@ -287,16 +287,23 @@ fn search_facet(
     // Offsets at which roots c vanish or become infinite; 0 and ∞ belong to neighbouring facets.
     let infinite = face.zeros_of_coefficient(face.degree());
     let vanishing = face.zeros_of_coefficient(0);
-    let mut special: StackList<f64> =
-        infinite.iter().chain(&vanishing).copied().filter(is_off_axes).collect();
-    special.extend([0.0, FRAC_PI_2]);
-    special.sort_by(f64::total_cmp);
-    special.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    let mut special: StackList<CoefficientZero> =
+        infinite.iter().chain(&vanishing).copied().filter(|own| is_off_axes(&own.angle)).collect();
+    special.extend([0.0, FRAC_PI_2].map(|angle| CoefficientZero { angle, bound: 0.0 }));
+    special.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    special.dedup_by(|later, first| {
+        let reach = later.bound + first.bound;
+        let is_same = (later.angle - first.angle).abs() < reach.max(1e-9);
+        if is_same {
+            first.bound = first.bound.max(later.bound);
+        }
+        is_same
+    });
 
     if accumulator.can_improve(facet.order) {
         let top = &face.coefficients[face.degree()];
-        let mut avoided = infinite;
-        avoided.retain(|angle| is_off_axes(angle));
+        let mut avoided: StackList<f64> =
+            infinite.iter().map(|own| own.angle).filter(is_off_axes).collect();
         avoided.extend(
             [(0.0, 0), (FRAC_PI_2, width)].iter().filter(|e| top[e.1].is_zero()).map(|e| e.0),
         );
@@ -307,14 +314,14 @@ fn search_facet(
         if let Some(rate) = supremum {
             accumulator.record_layer_growth(facet.order, rate, location.angle);
         } else if special.iter().any(|z| {
-            [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.max_growth(z + offset) > 0.0)
+            [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.max_growth(z.angle + offset) > 0.0)
         }) {
             // Growth that is unbounded in this layer is found in a neighbouring or an inner layer.
             accumulator.expect_growth_above(facet.order);
         }
     }
     if location.remaining_depth == 0 {
-        let hidden = special.iter().any(is_off_axes) && accumulator.is_bounded();
+        let hidden = special.iter().any(|own| is_off_axes(&own.angle)) && accumulator.is_bounded();
         if hidden {
             accumulator.record_undecided(
                 format!("layer within layers, order {}", facet.order.to_f64()),
@@ -325,8 +332,8 @@ fn search_facet(
         return;
     }
     let deeper = ChartLocation { remaining_depth: location.remaining_depth - 1, ..location };
-    for angle in special.iter().copied().filter(is_off_axes) {
-        let bound = offset_error_bound(angle, LEAST_ANGLE_BOUND);
+    for &CoefficientZero { angle, bound } in special.iter().filter(|own| is_off_axes(&own.angle)) {
+        let bound = offset_error_bound(angle, bound.max(LEAST_ANGLE_BOUND));
         let moved = chart.shift_offset(facet.offset_order, angle.cr_tan(), bound);
         search_chart(&Chart { order_bound: None, ..moved }, deeper, accumulator);
     }
@@ -342,7 +349,7 @@ fn continue_facet_roots(
     chart: &Chart,
     facet: &Facet,
     face: &FacePolynomial,
-    special: &[f64],
+    special: &[CoefficientZero],
     deeper: ChartLocation,
     accumulator: &mut GrowthAccumulator,
 ) {
@@ -350,7 +357,10 @@ fn continue_facet_roots(
     let mut sides: StackList<f64> = special
         .iter()
         .enumerate()
-        .map(|(i, left)| 0.5 * (left + special.get(i + 1).copied().unwrap_or(special[0] + PI)))
+        .map(|(i, left)| {
+            let right = special.get(i + 1).map_or(special[0].angle + PI, |next| next.angle);
+            0.5 * (left.angle + right)
+        })
         .collect();
     sides.extend([0.13, 0.5, 1.1, 1.4].iter().flat_map(|a| [*a, PI - a]));
     for angle in sides {
@@ -366,13 +376,11 @@ fn continue_facet_roots(
     for &angle in face.collision_angles().iter().filter(|angle| is_off_axes(angle)) {
         for collision in find_collisions(face, angle) {
             let RootCollision { angle, angle_bound, root, is_accurate } = collision;
-            if !is_off_axes(&angle)
-                || !root.is_neutral()
-                || root.bound > UNDECIDED_RELATIVE_BOUND * root.value.modulus()
-            {
+            if !is_off_axes(&angle) || !root.is_neutral() {
                 continue;
             }
-            if !is_accurate {
+            let is_resolved = root.bound <= UNDECIDED_RELATIVE_BOUND * root.value.modulus();
+            if !is_accurate || !is_resolved {
                 accumulator.record_undecided_contact(facet.order, deeper.angle);
                 continue;
             }
@@ -432,7 +440,8 @@ impl TriangularFacet {
             }
             let top = &face.coefficients[degree];
             let ends = [(0.0, 0), (FRAC_PI_2, width)].into_iter().filter(|e| top[e.1].is_zero());
-            let mut avoided = face.zeros_of_coefficient(degree);
+            let mut avoided: StackList<f64> =
+                face.zeros_of_coefficient(degree).iter().map(|own| own.angle).collect();
             avoided.extend(ends.map(|e| e.0));
             let found = face.supremum(&avoided).map(|(rate, _)| rate);
             SUPREMA.with_borrow_mut(|known| known.push((self, found)));

@@ -40,6 +40,9 @@ impl BoundedRoot {
 /// Error bound, relative to a neutral root, above which the sign of its real part is undecided.
 pub(crate) const UNDECIDED_RELATIVE_BOUND: f64 = 1e-7;
 
+/// Largest part of a derivative by which it may change within the error bound of a root that is called isolated.
+const MAX_CURVED_PART: f64 = 0.5;
+
 /// Maximum number of terms of a Puiseux series.
 const MAX_TERMS: usize = 6;
 
@@ -82,8 +85,7 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
     };
     let polynomial = &polynomial[first..end];
     let plain: StackList<Complex64> = polynomial.iter().map(|c| c.value).collect();
-    let all = roots::solve(&plain);
-    let mut open = all.clone();
+    let mut open = roots::solve(&plain);
     let mut found = StackList::new();
     while let Some(root) = open.first().copied() {
         let mut radius = 0.03;
@@ -92,16 +94,7 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
             let members: StackList<Complex64> = open.iter().copied().filter(near).collect();
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
-            if let Some(mut root) = find_multiple_root(polynomial, neglected, mean, count) {
-                // |p/p′| approximates the distance to a root if other roots are far. With others near, only deg p times
-                // |p/p′| bounds it (Henrici 1974): a cluster that is neither merged into one root nor resolved.
-                let degree = (polynomial.len() - 1) as f64;
-                let is_crowded = |other: &&Complex64| {
-                    (**other - root.value).modulus() <= degree * root.bound && !near(other)
-                };
-                if all.iter().any(|other| is_crowded(&other)) {
-                    root.bound *= degree;
-                }
+            if let Some(root) = find_multiple_root(polynomial, neglected, mean, count) {
                 open.retain(|other| !near(other));
                 found.push(root);
                 break;
@@ -121,6 +114,9 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
 /// A root of the given multiplicity near a point, if all derivatives of order below multiplicity − 1 vanish there
 /// within four times their bounds and the root is accurate to a tenth of its modulus (not required of a simple root);
 /// `neglected` bounds the terms neglected in the polynomial at a point.
+///
+/// The bound is that of a zero of the derivative q of order multiplicity − 1. If q has only real or only neutral zeros, or
+/// none in a half-plane, so does the polynomial (Gauss & Lucas): a zero of q that grows proves that a root does.
 fn find_multiple_root(
     polynomial: &[RoundedComplex],
     neglected: impl Fn(Complex64) -> f64,
@@ -161,7 +157,22 @@ fn find_multiple_root(
     }
     let slope = multiplicity as f64 * derivative(x, multiplicity).modulus();
     let value = derivative(x, multiplicity - 1).modulus();
-    let bound = (2.0 * value + uncertainty(multiplicity - 1)) / slope;
+    let error = uncertainty(multiplicity - 1);
+    // q is linear within `reach` but for its curved part. If that is small, q has one zero there (Rouché); else only the degree
+    // of q times |q/q′| bounds the distance to one (Henrici 1974): a cluster that is neither merged into one root nor resolved.
+    let reach = 2.0 * (value + error) / slope;
+    let degree = polynomial.len() - multiplicity;
+    let curved = (2..=degree).rev().fold(0.0, |sum, k| {
+        let order = multiplicity - 1 + k;
+        (sum + binomial(order, k) * derivative(x, order).modulus()) * reach
+    });
+    let curved = (curved + multiplicity as f64 * uncertainty(multiplicity)) / slope;
+    let bound = if curved < MAX_CURVED_PART {
+        (2.0 * value + error) / (slope * (1.0 - curved))
+    } else {
+        let certain_slope = (slope - multiplicity as f64 * uncertainty(multiplicity)).max(0.0);
+        degree as f64 * (value + error) / certain_slope
+    };
     (bound < 0.1 * size || multiplicity == 1).then_some(BoundedRoot {
         value: x,
         multiplicity,
@@ -299,4 +310,40 @@ pub(crate) fn lcm(a: i64, b: i64) -> i64 {
         (x, y) = (y, x % y);
     }
     a / x * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use models::Rounded;
+    use models::common::elementary::Elementary;
+
+    /// Polynomials with only neutral roots, most of them in one cluster: no root grows, in whatever groups they are found.
+    #[test]
+    fn clusters_of_neutral_roots_do_not_grow() {
+        let mut state = 11u32;
+        let mut draw = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        for round in 0..20_000 {
+            let size = (-3.0 - 20.0 * draw()).cr_exp2();
+            let count = 2 + round % 4;
+            let mut polynomial = vec![RoundedComplex::from_i_power(Rounded::ONE, 0)];
+            for index in 0..=count {
+                let root = if index == count { -1.0 } else { 1.0 + size * draw() };
+                // Times x − i·root.
+                let factor = RoundedComplex::from_i_power(Rounded::from_exact(root), 3);
+                let mut next = vec![RoundedComplex::default(); polynomial.len() + 1];
+                for (i, &own) in polynomial.iter().enumerate() {
+                    next[i + 1] += own;
+                    next[i] += own * factor;
+                }
+                polynomial = next;
+            }
+            for root in solve_nonzero_roots(&polynomial) {
+                assert!(!root.is_growing(), "round {round}, {size:e}: {root:?}");
+            }
+        }
+    }
 }

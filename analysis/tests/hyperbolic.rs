@@ -49,23 +49,42 @@ fn random_symmetric_system(random: &mut RandomNumbers, kind: usize) -> Linearise
     system_from_matrices(n, [(X, &first), (Y, &second), (C, &constant)])
 }
 
-/// Verifies 4000 random systems of each of the four kinds, all well-posed: none is called ill-posed, and fewer than 5 % are
-/// marginal.
-#[test]
-fn symmetric_hyperbolic_systems_are_never_ill_posed() {
-    const COUNT: u64 = 4000;
+/// Verifies that none of `count` random systems of each of the four kinds, all well-posed, is called ill-posed, and that
+/// fewer than 5 % are marginal.
+fn check_systems(count: u64) {
     for kind in 0..4 {
-        let verdicts: Vec<(u64, Verdict)> = (0..COUNT)
+        let verdicts: Vec<(u64, Verdict)> = (0..count)
             .into_par_iter()
             .map(|seed| {
                 (seed, compute_verdict(&random_symmetric_system(&mut seeded_generator(seed), kind)))
             })
             .collect();
         let marginal = verdicts.iter().filter(|(_, v)| v.name() == "marginal").count() as u64;
-        println!("kind {kind}: {marginal} of {COUNT} marginal");
-        assert!(20 * marginal < COUNT, "kind {kind}: {marginal} marginal");
+        println!("kind {kind}: {marginal} of {count} marginal");
+        assert!(20 * marginal < count, "kind {kind}: {marginal} marginal");
         let is_right = |own: &Verdict| matches!(own, Verdict::WellPosed | Verdict::Marginal { .. });
         let wrong: Vec<_> = verdicts.iter().filter(|(_, own)| !is_right(own)).collect();
         assert!(wrong.is_empty(), "kind {kind}: {wrong:?}");
+    }
+}
+
+#[test]
+fn symmetric_hyperbolic_systems_are_never_ill_posed() {
+    check_systems(4000);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_symmetric_hyperbolic_systems_are_never_ill_posed() {
+    check_systems(20_000);
+}
+
+/// Diagonal systems with five nearly colliding roots, found as clusters of three and two, or with a triple zero of a corner
+/// coefficient, found as a double one.
+#[test]
+fn nearly_coinciding_speeds_do_not_grow() {
+    for seed in [4764, 9023, 10_281, 10_956, 12_932, 18_693] {
+        let found = compute_verdict(&random_symmetric_system(&mut seeded_generator(seed), 3));
+        assert_eq!(found, Verdict::WellPosed, "seed {seed}");
     }
 }

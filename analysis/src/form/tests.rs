@@ -28,6 +28,19 @@ fn form_with_zeros(angles: &[f64]) -> BinaryForm {
     BinaryForm { coefficients: p, ..BinaryForm::default() }
 }
 
+/// (1 − t)³ (1 + t)(1 + t/2): rounding splits the triple zero, which is one crossing of zero.
+#[test]
+fn triple_zeros_are_single_crossings_within_their_bounds() {
+    let form = form_with_coefficients(&[1.0, -1.5, -1.0, 2.0, 0.0, -0.5]);
+    let wanted = [0.25 * PI, PI - 2f64.cr_atan(), 0.75 * PI];
+    let zeros = form.zeros();
+    assert_eq!(zeros.len(), 3, "{zeros:?}");
+    for (zero, wanted) in zeros.iter().zip(wanted) {
+        assert!((zero.angle - wanted).abs() <= zero.bound + f64::EPSILON, "{zero:?}");
+        assert!(zero.has_sign_change && zero.bound < 1e-12, "{zero:?}");
+    }
+}
+
 #[test]
 fn simple_and_double_zeros_are_distinguished() {
     let zeros = form_with_zeros(&[0.3, 1.2, 2.9]).zeros();

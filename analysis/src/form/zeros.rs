@@ -161,12 +161,12 @@ impl BinaryForm {
         for (index, &left) in extrema.iter().enumerate() {
             let Some(start) = signs[index] else {
                 // The form touches zero at this extremum.
-                let (angle, bound) = locate_multiple_zero(self, left);
-                let angle = angle.rem_euclid(PI);
+                let zero = locate_multiple_zero(self, left);
                 // All extrema inside a split multiple zero lead to the same zero.
-                let is_known = |z: &FormZero| (z.angle - angle).abs() <= 2.0 * (z.bound + bound);
+                let is_known =
+                    |z: &FormZero| (z.angle - zero.angle).abs() <= 2.0 * (z.bound + zero.bound);
                 if !zeros.iter().any(is_known) {
-                    zeros.push(FormZero { angle, bound, has_sign_change: false });
+                    zeros.push(zero);
                 }
                 continue;
             };
@@ -179,7 +179,8 @@ impl BinaryForm {
             if start * end.signum() >= 0.0 {
                 continue;
             }
-            zeros.push(self.zero_at(self.refine_bracketed_zero((left, start), (right, end))));
+            let angle = self.refine_bracketed_zero((left, start), (right, end));
+            zeros.push(self.bracketed_zero_at(angle, &second));
         }
         zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         Some(zeros)
@@ -236,6 +237,31 @@ impl BinaryForm {
         let (value, slope) = (self.evaluate(cos, sin), self.slope_at([cos.value, sin.value]));
         let bound = (value.value.abs() + value.bound) / slope.abs() + 4.0 * f64::EPSILON;
         FormZero { angle, bound, has_sign_change: true }
+    }
+
+    /// [`Self::zero_at`] for a crossing that may be close to others: where the slope changes within the bound, as at a multiple
+    /// zero split by rounding, the bound is doubled until the form has opposite certain signs on both sides. `second` is the
+    /// second derivative.
+    fn bracketed_zero_at(&self, angle: f64, second: &Self) -> FormZero {
+        /// Part of the slope by which it may change within the bound.
+        const MAX_SLOPE_CHANGE: f64 = 0.1;
+        const MAX_BOUND: f64 = 0.03;
+        let mut zero = self.zero_at(angle);
+        let (sin, cos) = zero.angle.cr_sin_cos();
+        let [slope, curvature] = [self.slope_at([cos, sin]), second.value_at([cos, sin])];
+        let is_simple = (curvature * zero.bound).abs() <= MAX_SLOPE_CHANGE * slope.abs();
+        if is_simple {
+            return zero;
+        }
+        let sign = |offset: f64| self.evaluate_at_angle(zero.angle + offset).sign();
+        let mut bound = zero.bound.max(4.0 * f64::EPSILON);
+        while bound < MAX_BOUND
+            && !matches!((sign(-bound), sign(bound)), (Some(a), Some(b)) if a != b)
+        {
+            bound *= 2.0;
+        }
+        zero.bound = bound;
+        zero
     }
 
     /// Zero between two angles with values of opposite sign, by the Illinois variant of regula falsi, with bisection in
@@ -300,19 +326,21 @@ impl BinaryForm {
     }
 }
 
-/// Position and rounding bound of a multiple zero near the extremum at `angle`.
+/// A zero of a multiplicity of two or more near the extremum at `angle`.
 ///
 /// Rounding splits a zero of multiplicity m by the m-th root of the rounding, with extrema between the resulting zeros.
 /// They are one zero if all derivatives of order below m vanish within rounding at a nearby point: a simple zero of
-/// derivative m − 1, which is well-conditioned. Only even m are tried, the highest first, since the form does not
-/// change sign; without such m the position is `angle`.
-fn locate_multiple_zero(form: &BinaryForm, angle: f64) -> (f64, f64) {
+/// derivative m − 1, which is well-conditioned. The highest m are tried first; without such m the position is `angle`.
+fn locate_multiple_zero(form: &BinaryForm, angle: f64) -> FormZero {
     const MAX_SHIFT: f64 = 0.03;
+    /// Part of derivative m by which it may change within the bound on a zero of derivative m − 1 that is called simple.
+    const MAX_CURVED_PART: f64 = 0.5;
+    let degree = form.degree();
     let mut derivatives = list![form.clone()];
-    for m in 0..form.degree() {
+    for m in 0..degree {
         derivatives.push(derivatives[m].derivative());
     }
-    for m in (2..=form.degree()).rev().filter(|m| m % 2 == 0) {
+    for m in (2..=degree).rev() {
         let (last, change) = (&derivatives[m - 1], &derivatives[m]);
         let mut place = angle;
         for _ in 0..4 {
@@ -329,12 +357,21 @@ fn locate_multiple_zero(form: &BinaryForm, angle: f64) -> (f64, f64) {
         let is_zero = |value: Rounded| value.value.abs() <= value.bound;
         let is_near = (place - angle).abs() < MAX_SHIFT && !is_zero(slope);
         if is_near && derivatives[..m].iter().all(|d| is_zero(d.evaluate_at_angle(place))) {
-            return (place, last.evaluate_at_angle(place).bound / slope.value.abs() + f64::EPSILON);
+            let (rest, slope) = (last.evaluate_at_angle(place), slope.value.abs() - slope.bound);
+            let reach = (rest.value.abs() + rest.bound) / slope;
+            let curvature =
+                derivatives.get(m + 1).map_or(0.0, |own| own.evaluate_at_angle(place).value);
+            // A zero of derivative m − 1 with others nearby is at most this many times as far away (Henrici 1974).
+            let is_simple = reach * curvature.abs() <= MAX_CURVED_PART * slope;
+            let factor = if is_simple { 1.0 } else { (degree + 1 - m) as f64 };
+            let bound = factor * reach + f64::EPSILON;
+            return FormZero { angle: place.rem_euclid(PI), bound, has_sign_change: m % 2 == 1 };
         }
     }
-    let curvature = derivatives[2.min(form.degree())].evaluate_at_angle(angle).value.abs();
-    let slope = derivatives[1].evaluate_at_angle(angle).bound;
-    (angle, (slope / curvature).min(1.0) + f64::EPSILON)
+    let curvature = derivatives[2.min(degree)].evaluate_at_angle(angle).value.abs();
+    let slope = derivatives[1].evaluate_at_angle(angle);
+    let reach = ((slope.value.abs() + slope.bound) / curvature).min(1.0);
+    FormZero { angle: angle.rem_euclid(PI), bound: reach + f64::EPSILON, has_sign_change: false }
 }
 
 /// Sorts the zeros of several factors and merges zeros that agree within their bounds; at a merged zero the form
