@@ -130,7 +130,7 @@ impl FlowBox {
         let parameters = FlowParameters { friction_angle, dilatancy_angle, ..self.parameters };
         let noncoaxiality = self.state.noncoaxiality.map(|_| noncoaxiality);
         let model = parameters.build_model(self.kind).ok()?;
-        match model.background(&MaterialState { noncoaxiality, ..self.state.clone() }) {
+        match model.background(&MaterialState { noncoaxiality, ..self.state }) {
             Ok(Background::FullyDeforming(flow)) => Some((model, flow)),
             _ => None,
         }
