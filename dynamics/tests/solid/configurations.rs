@@ -523,6 +523,38 @@ fn signs_of_zeros_in_polar_blocks_of_several_media_are_those_of_the_reference() 
     compare_problems::<f64, 2>((7_100_000, 12), FLUSHED_MAGNITUDES[0], random_block);
 }
 
+/// The first step sweeps longitudinal waves only: the sweeps of shear waves change nothing but signs of zeros.
+#[test]
+fn signs_of_zeros_in_steps_without_shear_waves_are_those_of_the_reference() {
+    fn check<const D: usize>(lengths: [usize; D]) {
+        for number in 0..8 {
+            let mut random = NoiseSequence::new(number << 32);
+            let media = vec![Medium::new(scaled_isotropic(Theory::Classical, 1.0), D)];
+            let grid = Grid { cells: lengths, spacing: [0.1; D] };
+            let mut problem = random_problem_in_grid(&mut random, media, grid, [false; D]);
+            problem.scheme = Scheme::new(
+                [Slopes::Limited, Slopes::FourthOrder][number as usize % 2],
+                PlasticStep::default(),
+            );
+            problem.interlayers.clear();
+            // The Courant number of the shear waves is below 1.
+            problem.step = 0.07 / problem.media[0].max_speed();
+            problem.shear_interval = 3;
+            let start =
+                InitialValues { seed: random.seed(), magnitude: 1.0, nonzero_fraction: 0.5 };
+            let reference: Reference<f64, D> = run_reference(&problem, start, 1);
+            let expected = reference.snapshot().fields;
+            for set in InstructionSet::available_sets() {
+                let (found, ..) = run_fused::<f64, D>(&problem, start, set, &[([1; D], 1)]);
+                let label = format!("problem {number} in {D} dimensions: {set:?}");
+                assert_same_values([&expected, &found.fields], &problem.fields(), &label);
+            }
+        }
+    }
+    check([13, 9]);
+    check([9, 7, 5]);
+}
+
 #[test]
 #[ignore = "takes half a minute"]
 fn fused_solver_equals_the_reference_in_many_problems() {

@@ -407,7 +407,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 });
                 let fill = OneSidedGhostKernel {
                     field_data: &mut field_data,
-                    waves: &self.materials.waves[axis],
+                    waves: self.sweep_waves(axis, half_step),
                     ghost_rule,
                     end,
                     outer_cells: outer_cells.map(|stop| stop.start),
@@ -427,7 +427,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                         if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
                     let fill = ImageGhostKernel {
                         field_data: &mut field_data,
-                        waves: &self.materials.waves[axis],
+                        waves: self.sweep_waves(axis, half_step),
                         ghost_rules: applied_ends.map(|end| boundaries[end?].ghost_rule()),
                         source_and_ghost: [source.start, ghost.start],
                         lines,
