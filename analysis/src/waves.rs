@@ -16,7 +16,7 @@ use crate::dense;
 use crate::qz::Qz;
 use models::LinearisedSystem;
 use models::common::elementary::{Elementary, Modulus};
-use models::common::product::triple_product;
+use models::common::product::{product, triple_product};
 use models::common::rates::RateEquations;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -145,52 +145,96 @@ pub fn roots<const D: usize>(
 impl DirectionalWaves {
     /// Plane waves along the unit vector `normal`.
     pub fn from_equations<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
-        let (basis, motions) = build_velocity_basis(equations, normal);
-        let mut gradient = DMatrix::zeros(equations.stress_count(), equations.velocity_count());
-        for (axis, component) in normal.iter().enumerate() {
-            gradient += &equations.gradient[axis] * *component;
-        }
-        let scale = DMatrix::from_diagonal(
-            &equations.inertia.iter().map(|m| m.value.sqrt().recip()).collect::<Vec<_>>().into(),
-        );
-        let stiffness = equations.stiffness_values();
-        let (g, z) = (
-            triple_product(&gradient, &scale, &basis),
-            triple_product(&equations.rotation, &scale, &basis),
-        );
-        let between = |left: &DMatrix<f64>, right: &DMatrix<f64>| {
-            triple_product(&left.transpose(), &stiffness, right)
-        };
-        let real = |m: DMatrix<f64>| m.map(|x| Complex64::new(x, 0.0));
-        // Expand H*DH = (−ikGᵀ + Zᵀ) D (ikG + Z) in powers of k, with G = Σ nᵢGⁱ.
-        let cross = between(&z, &g) - between(&g, &z);
-        let coefficients =
-            [real(between(&g, &g)), cross.map(|x| Complex64::new(0.0, x)), real(between(&z, &z))];
-        let asymmetry = (&stiffness - stiffness.transpose()).amax();
-        let is_hermitian = asymmetry <= ZERO_TOLERANCE * stiffness.amax();
+        DispersionForms::new(equations).waves_along(normal)
+    }
+}
 
+/// Dispersion matrix of a solid as a function of the direction, for waves along many directions: with the velocities
+/// scaled by M^(−½), in components along the coordinate axes,
+///
+/// ```text
+/// Γ = Σ nᵢnⱼ Gⁱᵀ D Gʲ,    N₁ = i Σ nᵢ (Zᵀ D Gⁱ − Gⁱᵀ D Z),    N₀ = Zᵀ D Z.
+/// ```
+#[derive(Clone, Debug)]
+pub struct DispersionForms<const D: usize> {
+    /// Coefficients of nᵢnⱼ in Γ.
+    second: [[DMatrix<f64>; D]; D],
+    /// Coefficients of nᵢ in N₁, without the factor i.
+    first: [DMatrix<f64>; D],
+    /// N₀.
+    zeroth: DMatrix<f64>,
+    is_hermitian: bool,
+}
+
+impl<const D: usize> DispersionForms<D> {
+    /// Computes the coefficients of rate equations.
+    pub fn new(equations: &RateEquations<D>) -> Self {
+        let stiffness = equations.stiffness_values();
+        let scaled = |strain: &DMatrix<f64>| {
+            DMatrix::from_fn(strain.nrows(), strain.ncols(), |stress, velocity| {
+                strain[(stress, velocity)] * equations.inertia[velocity].value.sqrt().recip()
+            })
+        };
+        let gradient = equations.gradient.each_ref().map(scaled);
+        let rotation = scaled(&equations.rotation);
+        let gradient_stress = gradient.each_ref().map(|own| product(&stiffness, own));
+        let rotation_stress = product(&stiffness, &rotation);
+        let between =
+            |strain: &DMatrix<f64>, stress: &DMatrix<f64>| product(&strain.transpose(), stress);
+        let asymmetry = (&stiffness - stiffness.transpose()).amax();
+        Self {
+            second: gradient
+                .each_ref()
+                .map(|own| gradient_stress.each_ref().map(|other| between(own, other))),
+            first: std::array::from_fn(|axis| {
+                between(&rotation, &gradient_stress[axis])
+                    - between(&gradient[axis], &rotation_stress)
+            }),
+            zeroth: between(&rotation, &rotation_stress),
+            is_hermitian: asymmetry <= ZERO_TOLERANCE * stiffness.amax(),
+        }
+    }
+
+    /// Plane waves along the unit vector `normal`.
+    pub fn waves_along(&self, normal: [f64; D]) -> DirectionalWaves {
+        let size = self.zeroth.nrows();
+        let (basis, motions) = build_velocity_basis(size, normal);
+        let transposed = basis.transpose();
+        let turned = |m: &DMatrix<f64>| triple_product(&transposed, m, &basis);
+        let (mut second, mut first) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
+        for (i, row) in self.second.iter().enumerate() {
+            first += &self.first[i] * normal[i];
+            for (j, form) in row.iter().enumerate() {
+                second += form * (normal[i] * normal[j]);
+            }
+        }
+        let real = |m: DMatrix<f64>| m.map(|x| Complex64::new(x, 0.0));
+        let coefficients = [
+            real(turned(&second)),
+            turned(&first).map(|x| Complex64::new(0.0, x)),
+            real(turned(&self.zeroth)),
+        ];
         let families = coupled_components(&coefficients).into_iter().map(|members| {
             let part = |m: &ComplexMatrix| {
                 let block = m.select_rows(&members).select_columns(&members);
-                if is_hermitian { (&block + block.adjoint()).scale(0.5) } else { block }
+                if self.is_hermitian { (&block + block.adjoint()).scale(0.5) } else { block }
             };
             let own: Vec<Motion> = members.iter().map(|&i| motions[i]).collect();
             WaveFamily {
                 polarisation: classify_polarisation(&own),
                 coefficients: coefficients.each_ref().map(part),
-                is_hermitian,
+                is_hermitian: self.is_hermitian,
             }
         });
-        Self { families: families.collect() }
+        DirectionalWaves { families: families.collect() }
     }
 }
 
-/// Basis of the velocities, in columns: translations along (n, t₁, t₂), then spins about these axes, with their kinds.
+/// Basis of `size` velocities, in columns: translations along (n, t₁, t₂), then spins about these axes, with their kinds.
 fn build_velocity_basis<const D: usize>(
-    equations: &RateEquations<D>,
+    size: usize,
     normal: [f64; D],
 ) -> (DMatrix<f64>, Vec<Motion>) {
-    let size = equations.velocity_count();
     let axes = orthonormal_axes(normal);
     let mut basis = DMatrix::zeros(size, size);
     for (row, column) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
@@ -237,9 +281,9 @@ fn orthonormal_axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
 /// Connected components of the velocities under the coupling of all matrices.
 fn coupled_components(coefficients: &[ComplexMatrix; 3]) -> Vec<Vec<usize>> {
     let size = coefficients[0].nrows();
+    let largest = coefficients.each_ref().map(|m| m.iter().fold(0.0f64, |a, b| a.max(b.modulus())));
     let couples = |i: usize, j: usize| {
-        coefficients.iter().any(|m| {
-            let largest = m.iter().fold(0.0f64, |a, b| a.max(b.modulus()));
+        coefficients.iter().zip(largest).any(|(m, largest)| {
             m[(i, j)].modulus().max(m[(j, i)].modulus()) > ZERO_TOLERANCE * largest
         })
     };

@@ -1,6 +1,6 @@
 //! Plane waves of the equivalent Cosserat continuum.
 
-use crate::solids::plane_wave_roots;
+use crate::solids::PlaneWaves;
 use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
 use models::solid::ElasticLaw;
@@ -16,7 +16,8 @@ pub fn continuum_frequencies(solid: &PlaneCompliances, wave_vector: [f64; 2]) ->
     };
     let elastic = Solid::new(ElasticLaw::from(*solid), 2, None);
     // The response of an elastic solid is always defined.
-    let roots = plane_wave_roots(&elastic, [x, y, 0.0], length).unwrap_or_default();
+    let roots =
+        PlaneWaves::new(&elastic).map_or(Vec::new(), |waves| waves.roots([x, y, 0.0], length));
     let mut frequencies: Vec<f64> =
         roots.iter().map(|root| root.im).filter(|&frequency| frequency > 0.0).collect();
     frequencies.sort_by(f64::total_cmp);

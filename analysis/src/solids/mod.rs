@@ -10,7 +10,7 @@ pub use assessment::{
     SPACE_SEARCH_ROUTE, SYMMETRIC_ROUTE, SolidAssessment, SolidAssessor,
 };
 pub use branches::{BranchGroup, BranchPoint, group_branches};
-pub use plane_waves::{directional_waves, growth_rate, plane_wave_roots};
+pub use plane_waves::{PlaneWaves, directional_waves};
 pub use speeds::{DirectionalSpeeds, ZeroSpeedCause, slowest_speed};
 
 use models::common::elementary::Elementary;

@@ -11,7 +11,7 @@ use analysis::equations::EquationsWorkspace;
 use analysis::flows::{FlowWorkspace, Route};
 use analysis::growth::Verdict;
 use analysis::pencil::PencilRoots;
-use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessor, angles_deg};
+use analysis::solids::{AcousticTensorCache, Hyperbolicity, PlaneWaves, SolidAssessor, angles_deg};
 use models::InputError;
 use models::common::parameter::Parameter;
 use models::flow::state::Background;
@@ -417,8 +417,9 @@ impl<'a> PointAssessor<'a> {
             }
             ModelKind::Solid(_) => {
                 let solid = setup::solid::create_solid(&case.material)?;
+                let waves = PlaneWaves::new(&solid)?;
                 Box::new(move |wave: WaveNumbers| {
-                    Ok(solids::plane_wave_roots(&solid, wave_normal(&wave), wave.wave_number)?)
+                    Ok(waves.roots(wave_normal(&wave), wave.wave_number))
                 })
             }
             ModelKind::Equations => {
@@ -484,7 +485,8 @@ impl<'a> PointAssessor<'a> {
         let mut point = MapPoint::with_status(PointStatus::WellPosed);
         if self.options.computes_growth_rate {
             let wave = &self.case.material.numbers.wave;
-            point.growth_rate = solids::growth_rate(&solid, wave_normal(wave), wave.wave_number)?;
+            point.growth_rate =
+                PlaneWaves::new(&solid)?.growth_rate(wave_normal(wave), wave.wave_number);
         }
         if self.options.computes_bound && assessment.verdict == Verdict::WellPosed {
             let found = of_polynomial.as_ref().and_then(|found| {

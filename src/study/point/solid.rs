@@ -9,7 +9,7 @@ use crate::study::{ProgressCallback, report_progress};
 use crate::{Error, setup};
 use analysis::bound;
 use analysis::energy;
-use analysis::solids::{self, AcousticTensorCache, SolidAssessment, SolidAssessor};
+use analysis::solids::{self, AcousticTensorCache, PlaneWaves, SolidAssessment, SolidAssessor};
 use analysis::waves::DirectionalWaves;
 use models::InputError;
 use models::common::elementary::{Elementary, Modulus};
@@ -198,7 +198,8 @@ pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<Solid
         None => solid.is_symmetric_hyperbolic().then_some(0.0),
     };
     part_is_done(1)?;
-    let curves = GrowthCurves::new(&solid, wave, &assessment).map_err(locate_error)?;
+    let waves = PlaneWaves::new(&solid).map_err(locate_error)?;
+    let curves = GrowthCurves::new(&waves, wave, &assessment);
     part_is_done(2)?;
     let energy = compute_energy_defects(&solid, wave.wave_number).map_err(locate_error)?;
     part_is_done(3)?;
@@ -208,10 +209,7 @@ pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<Solid
         Ok::<_, Error>(to_pairs(&squared_speeds(&waves)))
     };
     let squared_speeds = [squared_speeds(false)?, squared_speeds(true)?];
-    let roots = to_pairs(
-        &solids::plane_wave_roots(&solid, wave_normal(&wave), wave.wave_number)
-            .map_err(locate_error)?,
-    );
+    let roots = to_pairs(&waves.roots(wave_normal(&wave), wave.wave_number));
     part_is_done(PROGRESS_STEP_COUNT)?;
     if !has_finite_values(&energy, &roots, &squared_speeds) {
         let error = InputError {
@@ -337,39 +335,34 @@ struct GrowthCurves {
 }
 
 impl GrowthCurves {
-    fn new(
-        solid: &Solid,
-        wave: WaveNumbers,
-        assessment: &SolidAssessment,
-    ) -> Result<Self, NoResponse> {
-        let rate =
-            |wave: WaveNumbers| solids::growth_rate(solid, wave_normal(&wave), wave.wave_number);
+    fn new(waves: &PlaneWaves, wave: WaveNumbers, assessment: &SolidAssessment) -> Self {
+        let rate = |wave: WaveNumbers| waves.growth_rate(wave_normal(&wave), wave.wave_number);
         let growth_by_direction = (0..=DIRECTION_INTERVALS)
             .map(|i| {
                 let direction_deg = 180.0 * i as f64 / DIRECTION_INTERVALS as f64;
-                Ok([direction_deg, rate(WaveNumbers { direction_deg, ..wave })?])
+                [direction_deg, rate(WaveNumbers { direction_deg, ..wave })]
             })
-            .collect::<Result<_, NoResponse>>()?;
+            .collect();
         let along = |wave: WaveNumbers| {
             (-DECADES_ON_EACH_SIDE * WAVE_NUMBERS_PER_DECADE
                 ..=DECADES_ON_EACH_SIDE * WAVE_NUMBERS_PER_DECADE)
                 .map(|step| {
                     let decades = f64::from(step) / f64::from(WAVE_NUMBERS_PER_DECADE);
                     let number = wave.wave_number * 10f64.cr_powf(decades);
-                    Ok([number, rate(WaveNumbers { wave_number: number, ..wave })?])
+                    [number, rate(WaveNumbers { wave_number: number, ..wave })]
                 })
-                .collect::<Result<Vec<_>, NoResponse>>()
+                .collect()
         };
         let growth_in_worst_direction = match assessment.direction_deg() {
             Some([direction_deg, elevation_deg]) => {
-                along(WaveNumbers { direction_deg, elevation_deg, ..wave })?
+                along(WaveNumbers { direction_deg, elevation_deg, ..wave })
             }
             None => Vec::new(),
         };
-        Ok(Self {
+        Self {
             growth_by_direction,
-            growth_by_wave_number: along(wave)?,
+            growth_by_wave_number: along(wave),
             growth_in_fastest_direction: growth_in_worst_direction,
-        })
+        }
     }
 }
