@@ -36,7 +36,7 @@ pub struct PlaneWaves {
 #[derive(Clone, Debug)]
 enum WaveEquations {
     Plane(DispersionForms<2>),
-    Space(DispersionForms<3>),
+    Space(Box<DispersionForms<3>>),
     DampedPlane(RateEquations<2>),
     DampedSpace(RateEquations<3>),
 }
@@ -54,7 +54,7 @@ impl PlaneWaves {
             },
             _ => match solid.damped_rates()? {
                 Some(rates) => WaveEquations::DampedSpace(rates),
-                None => WaveEquations::Space(DispersionForms::new(&solid.rates()?)),
+                None => WaveEquations::Space(Box::new(DispersionForms::new(&solid.rates()?))),
             },
         };
         Ok(Self { equations, is_symmetric_hyperbolic: solid.is_symmetric_hyperbolic() })
