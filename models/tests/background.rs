@@ -1,10 +1,8 @@
 //! Completion of a state to a background: yield regions, default values, derived quantities, rejected inputs; and the
 //! index order of an asymmetric stress. Equation numbers refer to Harris & Grekova (2005).
 
-mod support;
-
-use support::states::{self, DilatancyKind, RandomCase};
-use support::{DifferentiableReal, RandomNumbers, dd};
+use crate::support::states::{self, DilatancyKind, RandomCase};
+use crate::support::{DifferentiableReal, RandomNumbers, dd};
 use testkit::flows::{FlowParameters, MODEL_CASES};
 use wellposed_models::InputError;
 use wellposed_models::flow::state::{

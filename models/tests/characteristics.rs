@@ -5,10 +5,8 @@
 //! then due to the rounding of the entries, about ten units in the last place each. Tolerance: 300 u (50 u for each of
 //! six factors, with the unit roundoff u) times the sum of the absolute values of all terms (the permanent).
 
-mod support;
-
-use support::states::{self, DilatancyKind};
-use support::{
+use crate::support::states::{self, DilatancyKind};
+use crate::support::{
     Complex, DifferentiableReal, DoubleDouble, RandomNumbers, complex, complex_determinant, dd,
     permanent,
 };
@@ -191,8 +189,10 @@ fn determinant_equals_the_dispersion_relation_for_zero_dilatancy() {
 
         let (sine, cosine) = dd(theta).sin_cos();
         let wave = [dd(k) * cosine, dd(k) * sine];
-        let determinant =
-            support::evaluate_polynomial(&states::dispersion_polynomial(&system, wave), frequency);
+        let determinant = crate::support::evaluate_polynomial(
+            &states::dispersion_polynomial(&system, wave),
+            frequency,
+        );
         let scale = states::dispersion_permanent(&system, wave, frequency.abs());
         let factor = -(Complex { re: dd(0.0), im: dd(k) * dd(parameters.friction_angle).cos() });
         let relation = exact_dispersion_relation(&parameters, &flow, k, theta, frequency);
@@ -297,7 +297,7 @@ fn free_rotating_model_has_one_equation_too_few() {
                     .map(|row| {
                         (0..columns)
                             .filter(|&j| j != dropped)
-                            .map(|j| support::evaluate_polynomial(&row[j], frequency))
+                            .map(|j| crate::support::evaluate_polynomial(&row[j], frequency))
                             .collect()
                     })
                     .collect();

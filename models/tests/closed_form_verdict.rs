@@ -1,11 +1,9 @@
 //! Closed-form verdicts against the determinant of the linearised equations, expanded in 31 digits and scanned over the
 //! directions of the wave vector.
 
-mod support;
-
+use crate::support::states::{self, DilatancyKind};
+use crate::support::{DifferentiableReal, Polynomial, RandomNumbers, dd};
 use std::f64::consts::{PI, TAU};
-use support::states::{self, DilatancyKind};
-use support::{DifferentiableReal, Polynomial, RandomNumbers, dd};
 use testkit::flows::FlowParameters;
 use wellposed_models::flow::state::{DeformingFlow, MaterialState};
 use wellposed_models::flow::{FlowKind, Model};
@@ -233,7 +231,7 @@ fn free_rotating_verdict_is_indeterminate() {
             let spin = system.unknowns.iter().position(|u| u.name == "spin").expect("a spin");
             let mut pencil = states::assemble_pencil(&system, [dd(0.7), dd(-1.1)]);
             pencil.iter_mut().for_each(|row| drop(row.remove(spin)));
-            let determinant = support::polynomial_determinant(&pencil);
+            let determinant = crate::support::polynomial_determinant(&pencil);
             assert!(determinant.iter().any(|c| c.abs() > 1e-9));
         }
     }

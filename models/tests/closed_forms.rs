@@ -4,10 +4,8 @@
 //! velocity gradient, where the corrections to the leading terms are of relative size (rates of the
 //! background)/(leading growth rate).
 
-mod support;
-
-use support::states::{self, DilatancyKind};
-use support::{
+use crate::support::states::{self, DilatancyKind};
+use crate::support::{
     Complex, DifferentiableReal, DoubleDouble, Polynomial, RandomNumbers, complex, dd,
     evaluate_polynomial, quadratic_roots,
 };

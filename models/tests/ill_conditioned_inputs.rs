@@ -1,9 +1,7 @@
 //! Rounding bounds in ill-conditioned cases, and rejection of inputs that are not finite or not used by the model.
 
-mod support;
-
-use support::states::{self, DilatancyKind};
-use support::{DifferentiableReal, RIGHT_ANGLE, RandomNumbers, dd};
+use crate::support::states::{self, DilatancyKind};
+use crate::support::{DifferentiableReal, RIGHT_ANGLE, RandomNumbers, dd};
 use wellposed_models::Rounded;
 use wellposed_models::flow::state::MaterialState;
 use wellposed_models::registry;

@@ -1,11 +1,9 @@
 //! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean shift, change of
 //! units; and reuse of the storage of a system.
 
-mod support;
-
+use crate::support::RandomNumbers;
+use crate::support::states::{self, RandomCase};
 use std::f64::consts::FRAC_PI_2;
-use support::RandomNumbers;
-use support::states::{self, RandomCase};
 use testkit::flows::{FlowParameters, MODEL_CASES};
 use wellposed_models::flow::state::MaterialState;
 use wellposed_models::{LinearisedSystem, Rounded};

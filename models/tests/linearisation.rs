@@ -4,12 +4,10 @@
 //! differentiated automatically in arithmetic of 31 digits. A wrong sign, factor or transpose or a missing term in any
 //! entry of A, B or C of any model makes these tests fail.
 
-mod support;
-
+use crate::support::equations::{linearise, residuals};
+use crate::support::states::{self, RandomCase};
+use crate::support::{DoubleDouble, RandomNumbers, dd};
 use std::collections::HashMap;
-use support::equations::{linearise, residuals};
-use support::states::{self, RandomCase};
-use support::{DoubleDouble, RandomNumbers, dd};
 use testkit::flows::MODEL_CASES;
 use wellposed_models::Rounded;
 
@@ -135,7 +133,7 @@ fn derived_background_satisfies_the_nonlinear_equations() {
                 assert!(
                     relative < 1e-13,
                     "{kind:?} {dilatancy:?}: equation {} is left with {:e} of {size:e}",
-                    support::equations::EQUATIONS[row],
+                    crate::support::equations::EQUATIONS[row],
                     residuals[row].to_f64(),
                 );
             }

@@ -1,11 +1,9 @@
 //! Yield normals against finite differences of the yield function, and the tangent stiffness against the formula for
 //! all conditions at once.
 
-mod support;
-
+use crate::support::yield_sets::{random_interlayer, random_mises};
+use crate::support::{DoubleDouble, RandomNumbers, dd};
 use nalgebra::{DMatrix, DVector};
-use support::yield_sets::{random_interlayer, random_mises};
-use support::{DoubleDouble, RandomNumbers, dd};
 use wellposed_models::Rounded;
 use wellposed_models::common::rounding::UNIT_ROUNDOFF;
 use wellposed_models::common::system::RoundedMatrix;

@@ -1,8 +1,6 @@
 //! Bitwise equality of optimised operations of the return mapping with the plain formulas.
 
-mod support;
-
-use support::{RandomNumbers, draw_log_uniform};
+use crate::support::{RandomNumbers, draw_log_uniform};
 use wellposed_models::common::number::{Number, divide_by_three};
 use wellposed_models::yield_set::return_mapping::{ConsistencyEquation, EIGENSPACE_COUNT};
 

@@ -1,9 +1,7 @@
 //! `Rounded` against arithmetic of 31 digits: the bounds cover the errors, and bounds of simple expressions are not far
 //! too large.
 
-mod support;
-
-use support::{DifferentiableReal, DoubleDouble, RandomNumbers, dd};
+use crate::support::{DifferentiableReal, DoubleDouble, RandomNumbers, dd};
 use wellposed_models::Rounded;
 use wellposed_models::common::rounding::UNIT_ROUNDOFF;
 

@@ -1,9 +1,7 @@
 //! Taylor models against arithmetic of 31 digits: at every point of the box the function lies within the enclosure, whose
 //! error falls with the square of the box.
 
-mod support;
-
-use support::{DifferentiableReal, DoubleDouble, RIGHT_ANGLE, RandomNumbers, dd};
+use crate::support::{DifferentiableReal, DoubleDouble, RIGHT_ANGLE, RandomNumbers, dd};
 use wellposed_models::common::scalar::{Function, Scalar};
 use wellposed_models::common::taylor_model::TaylorModel;
 

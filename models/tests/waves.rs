@@ -1,11 +1,9 @@
 //! Comparison of the two formulations of an elastic law, velocity–stress pairs and coefficient matrices; spin rotation,
 //! and stored energy.
 
-mod support;
-
+use crate::support::RandomNumbers;
+use crate::support::solids::random_plane_compliances;
 use nalgebra::DMatrix;
-use support::RandomNumbers;
-use support::solids::random_plane_compliances;
 use wellposed_models::LinearisedSystem;
 use wellposed_models::common::rates::RateEquations;
 use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};

@@ -1,8 +1,10 @@
 //! Steps of the law of a granular medium against the optimality conditions of the projection, a conic solver, the
 //! energy balance and the diagrams of uniaxial strain.
 
-use crate::tensor_law::{PathPressures, ProjectionLaw, compare_paths, ramp};
-use crate::tensors::{Elasticity, Vector, combine, deviator, dot, norm, to_vector, trace};
+use crate::contact_media::tensor_law::{PathPressures, ProjectionLaw, compare_paths, ramp};
+use crate::contact_media::tensors::{
+    Elasticity, Vector, combine, deviator, dot, norm, to_vector, trace,
+};
 use testkit::random::RandomNumbers;
 use wellposed_models::common::number::Number;
 use wellposed_models::granular_medium::{

@@ -1,7 +1,9 @@
 //! Particles with a parallel dashpot: closed forms of the scheme along a path of volumetric strain, and the conditions,
 //! the energy and the strain of a release.
 
-use crate::tensors::{Elasticity, Vector, combine, deviator, norm, to_vector, trace};
+use crate::contact_media::tensors::{
+    Elasticity, Vector, combine, deviator, norm, to_vector, trace,
+};
 use testkit::random::RandomNumbers;
 use wellposed_models::granular_medium::{GranularMedium, GranularParameters, KelvinVoigtParticles};
 use wellposed_models::rheology::relaxation::SymmetricTensor;

@@ -1,7 +1,7 @@
 //! Relaxation of particles in contact: closed forms of the scheme spring, dashpot and contact in series along a path of
 //! volumetric strain and in pure relaxation, and the conditions of the implicit step.
 
-use crate::tensors::{Elasticity, combine, deviator, norm, to_vector, trace};
+use crate::contact_media::tensors::{Elasticity, combine, deviator, norm, to_vector, trace};
 use testkit::random::RandomNumbers;
 use wellposed_models::granular_medium::{
     GranularContact, GranularMedium, GranularParameters, MaxwellParticles,

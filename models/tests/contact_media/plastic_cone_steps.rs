@@ -1,9 +1,13 @@
 //! Steps of pores with contact by cone beside a plastic skeleton, against the conditions of both projections at the total
 //! strain, a conic solver, the energy balance and the diagrams of uniaxial strain.
 
-use crate::pore_cone_steps::{Springs, UNIT, draw_strain, random_parameters, to_tensor};
-use crate::tensor_law::{PathPressures, ProjectionLaw, compare_paths};
-use crate::tensors::{Elasticity, Vector, combine, deviator, dot, norm, to_vector, trace};
+use crate::contact_media::pore_cone_steps::{
+    Springs, UNIT, draw_strain, random_parameters, to_tensor,
+};
+use crate::contact_media::tensor_law::{PathPressures, ProjectionLaw, compare_paths};
+use crate::contact_media::tensors::{
+    Elasticity, Vector, combine, deviator, dot, norm, to_vector, trace,
+};
 use testkit::random::RandomNumbers;
 use wellposed_models::common::number::Number;
 use wellposed_models::porous::{PlasticPoreConeLaw, PoreContact, PorousMedium, PorousParameters};

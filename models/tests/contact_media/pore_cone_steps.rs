@@ -1,8 +1,10 @@
 //! Steps of the law of pores whose walls transmit stresses in a friction cone, against the conditions of the projection
 //! of the spring's stress at the total strain, the energy balance and the diagrams of uniaxial strain.
 
-use crate::tensor_law::{PathPressures, compare_paths};
-use crate::tensors::{Elasticity, Vector, combine, deviator, dot, norm, to_vector, trace};
+use crate::contact_media::tensor_law::{PathPressures, compare_paths};
+use crate::contact_media::tensors::{
+    Elasticity, Vector, combine, deviator, dot, norm, to_vector, trace,
+};
 use testkit::random::RandomNumbers;
 use wellposed_models::common::number::Number;
 use wellposed_models::porous::{PoreConeLaw, PoreContact, PorousMedium, PorousParameters};

@@ -1,7 +1,7 @@
 //! Steps of the law of collapsing pores against the total volumetric strain, the energy balance and the diagrams of
 //! uniaxial strain.
 
-use crate::tensor_law::{PathPressures, compare_paths};
+use crate::contact_media::tensor_law::{PathPressures, compare_paths};
 use testkit::random::RandomNumbers;
 use wellposed_models::common::number::Number;
 use wellposed_models::porous::{PoreContact, PoreLaw, PoreState, PorousMedium, PorousParameters};

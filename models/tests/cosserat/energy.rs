@@ -1,8 +1,8 @@
 //! Hooke's law, energy density and isotropy of elastic solids.
 
-use crate::random_solids::{random_cubic_solid, random_solid};
+use crate::cosserat::random_solids::{random_cubic_solid, random_solid};
+use crate::cosserat::tensors::{component_value, conjugate_strain, random_tensor};
 use crate::support::RandomNumbers;
-use crate::tensors::{component_value, conjugate_strain, random_tensor};
 use nalgebra::{DVector, Matrix3};
 use wellposed_models::common::rates::RateEquations;
 use wellposed_models::solid::parameters::Isotropic;

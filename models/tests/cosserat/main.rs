@@ -7,7 +7,5 @@ mod parameters;
 mod plane_equations;
 mod random_solids;
 mod strain_rates;
-#[path = "../support/mod.rs"]
-mod support;
 mod tensors;
 mod waves;

@@ -1,8 +1,8 @@
 //! Moduli of elastic solids: checked inequalities, and conversion to compliances and back.
 
-use crate::random_solids::{random_cubic_solid, random_solid};
+use crate::cosserat::random_solids::{random_cubic_solid, random_solid};
+use crate::cosserat::waves::compute_frequencies;
 use crate::support::{RandomNumbers, draw_log_uniform};
-use crate::waves::compute_frequencies;
 use wellposed_models::common::rates::SymmetricForm;
 use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances,

@@ -1,6 +1,6 @@
 //! Plane-strain equations against Sadovskii & Sadovskaya (2019).
 
-use crate::random_solids::{random_cubic_solid, random_solid};
+use crate::cosserat::random_solids::{random_cubic_solid, random_solid};
 use crate::support::RandomNumbers;
 use nalgebra::DMatrix;
 use wellposed_models::LinearisedSystem;

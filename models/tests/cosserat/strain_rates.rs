@@ -1,8 +1,8 @@
 //! Strain rates due to velocity gradients, spins and spin gradients.
 
-use crate::random_solids::random_solid;
+use crate::cosserat::random_solids::random_solid;
+use crate::cosserat::tensors::{conjugate_strain, random_tensor};
 use crate::support::RandomNumbers;
-use crate::tensors::{conjugate_strain, random_tensor};
 use nalgebra::{DVector, Matrix3};
 use wellposed_models::solid::stress::StressComponent::Force;
 use wellposed_models::solid::symbol::{Velocity, plane_layout};

@@ -1,6 +1,6 @@
 //! Plane waves in elastic solids: wave speeds, dispersion of the reduced Cosserat solid, and limits.
 
-use crate::random_solids::{random_solid, random_unit_vector};
+use crate::cosserat::random_solids::{random_solid, random_unit_vector};
 use crate::support::{RandomNumbers, draw_log_uniform};
 use nalgebra::{Complex, SymmetricEigen};
 use wellposed_models::common::rates::SymmetricForm;

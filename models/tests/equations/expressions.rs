@@ -1,7 +1,7 @@
 //! Random expressions: their derivatives and rounding bounds against dual numbers in 31 digits.
 
+use crate::equations::text_models::model_text;
 use crate::support::{DifferentiableReal, DoubleDouble, Dual, RandomNumbers, dd};
-use crate::text_models::model_text;
 use wellposed_models::LinearisedSystem;
 use wellposed_models::Rounded;
 use wellposed_models::equations::{JetVariable, TextModel, TextState, TextWorkspace};

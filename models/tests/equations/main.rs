@@ -4,6 +4,4 @@
 mod expressions;
 mod mutations;
 mod semantics;
-#[path = "../support/mod.rs"]
-mod support;
 mod text_models;

@@ -1,7 +1,7 @@
 //! Damaged model texts: no panic, and every error names line, column and a remedy.
 
+use crate::equations::text_models::granular_rheology;
 use crate::support::RandomNumbers;
-use crate::text_models::granular_rheology;
 use wellposed_models::equations::{TextModel, TextPlace};
 
 const PIECES: [&str; 46] = [

@@ -1,6 +1,6 @@
 //! Meaning of model texts: names, cycles, units, kinks, residuals, solved derivatives, moving frames.
 
-use crate::text_models::{coefficient, granular_rheology, jet, model_text, state};
+use crate::equations::text_models::{coefficient, granular_rheology, jet, model_text, state};
 use wellposed_models::LinearisedSystem;
 use wellposed_models::equations::{EvaluationError, NamedText, TextModel, TextWorkspace};
 

@@ -1,12 +1,12 @@
 //! Errata of the dispersion polynomial in Harris & Grekova (2005): eqs (121), (131), (138).
 
-use crate::comparison::{Comparison, EXACT_TOLERANCE};
-use crate::elimination::Elimination;
+use crate::errata::comparison::{Comparison, EXACT_TOLERANCE};
+use crate::errata::elimination::Elimination;
+use crate::errata::system::{for_random_flows, random_wave};
 use crate::support::{
     Complex, evaluate_polynomial, multiply_polynomials, polynomial_determinant, quadratic_roots,
     states,
 };
-use crate::system::{for_random_flows, random_wave};
 use wellposed_models::registry;
 
 /// The scaled coefficient A₁/k⁸ of eq. (138) is printed with ē₅₂ in place of ē₄₂ in the first brace and ē₂₅ in place of

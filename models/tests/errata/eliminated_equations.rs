@@ -1,9 +1,9 @@
 //! Errata of the eliminated equations in Harris & Grekova (2005): eqs (100)–(126).
 
-use crate::comparison::{Comparison, EXACT_TOLERANCE};
-use crate::elimination::Elimination;
+use crate::errata::comparison::{Comparison, EXACT_TOLERANCE};
+use crate::errata::elimination::Elimination;
+use crate::errata::system::{compare_random_flows, for_random_flows, random_complex, random_wave};
 use crate::support::{Complex, complex};
-use crate::system::{compare_random_flows, for_random_flows, random_complex, random_wave};
 
 /// Eq. (100), the sum of e₅₁ × first and e₅₂ × second momentum row, is printed with the coefficient of ψ in place of
 /// the coefficient of p. Reference: the rows summed for an amplitude that satisfies the rotation row.

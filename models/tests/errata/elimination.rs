@@ -1,7 +1,7 @@
 //! Elimination of pressure and stress angle by Harris & Grekova (2005), eqs (99)–(110).
 
+use crate::errata::system::IncompressibleFlow;
 use crate::support::{Complex, DoubleDouble, Polynomial, complex};
-use crate::system::IncompressibleFlow;
 
 /// Coefficients of the elimination in Harris & Grekova (2005), eqs (103)–(105), with printed errors corrected. The
 /// amplitudes p and ψ have the common denominator f + gρς.

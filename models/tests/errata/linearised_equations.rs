@@ -1,7 +1,7 @@
 //! Errata of the linearised equations in Harris & Grekova (2005): eqs (83), (86), (87).
 
+use crate::errata::system::compare_random_flows;
 use crate::support::{DifferentiableReal, DoubleDouble, dd};
-use crate::system::compare_random_flows;
 
 /// Eq. (83): c₅₅ is printed as −2 Q_D cos 2Δ; the derivative of the rotation equation with respect to ψ is
 /// −4 Q_D cos 2Δ.

@@ -14,7 +14,5 @@ mod eliminated_equations;
 mod elimination;
 mod linearised_equations;
 mod roots;
-#[path = "../support/mod.rs"]
-mod support;
 mod system;
 mod well_posedness;

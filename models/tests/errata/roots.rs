@@ -1,10 +1,10 @@
 //! Errata of the roots and degenerate directions in Harris & Grekova (2005): eqs (142)–(163).
 
-use crate::comparison::Comparison;
+use crate::errata::comparison::Comparison;
+use crate::errata::system::{IncompressibleFlow, STATE_COUNT, for_random_flows};
 use crate::support::{
     DifferentiableReal, DoubleDouble, RIGHT_ANGLE, RandomNumbers, complex, dd, quadratic_roots,
 };
-use crate::system::{IncompressibleFlow, STATE_COUNT, for_random_flows};
 
 /// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of eq. (83). Reference: the larger root of
 /// the exact determinant at k = 1e9 1/m in a uniform background, where the corrections of Re ς/k² are of relative size

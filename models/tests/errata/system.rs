@@ -1,6 +1,6 @@
 //! Linearised equations of a random incompressible (ν = 0) Harris–Grekova flow, derived from the nonlinear equations.
 
-use crate::comparison::Comparison;
+use crate::errata::comparison::Comparison;
 use crate::support::equations::{SPIN_INDEX, linearise};
 use crate::support::states::{self, DilatancyKind};
 use crate::support::{

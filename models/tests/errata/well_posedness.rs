@@ -1,11 +1,11 @@
 //! Errata of the verdicts derived from limits along rays in Harris & Grekova (2005): eqs (130), (136) and the abstract.
 
+use crate::errata::system::{IncompressibleFlow, STATE_COUNT, for_random_flows};
 use crate::support::states::{self, DilatancyKind};
 use crate::support::{
     DifferentiableReal, DoubleDouble, Polynomial, RIGHT_ANGLE, RandomNumbers, complex, dd,
     polynomial_determinant, quadratic_roots,
 };
-use crate::system::{IncompressibleFlow, STATE_COUNT, for_random_flows};
 use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
 use wellposed_models::flow::state::MohrCoulomb;
 use wellposed_models::registry;

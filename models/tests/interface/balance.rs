@@ -1,7 +1,7 @@
 //! Energy balance, dissipation and symmetry of layers of all kinds under random loads, and equality of SIMD lanes with
 //! scalars.
 
-use crate::support::{
+use crate::interface::support::{
     History, MASS_DISTRIBUTIONS, RandomLoad, TwoLanes, face_work, initial_history, layer_materials,
     step_interval,
 };
@@ -228,7 +228,7 @@ fn face_at_rest_stays_at_rest() {
             let law = material.to_law(distribution);
             assert!(law.history_variable_count() <= MAX_HISTORY_VARIABLES);
             let mut history = initial_history(&law, [[0.0; 2]; 2]);
-            let incoming = crate::support::IMPEDANCES
+            let incoming = crate::interface::support::IMPEDANCES
                 .map(|impedance| RiemannData { impedance, invariant: [0.0; 2] });
             let states = law.advance(&incoming, &step_interval(0, TIME_STEP), &mut history);
             for state in states.as_flattened() {

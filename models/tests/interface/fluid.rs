@@ -1,6 +1,6 @@
 //! Flow of the fluid along saturated layers: junctions, energy balance, stiffness across and wave speeds along a layer.
 
-use crate::support::{History, SATURATED, step_interval};
+use crate::interface::support::{History, SATURATED, step_interval};
 use testkit::random::RandomNumbers;
 use wellposed_models::interface::fluid::{
     ArmSide, FluidConstants, FluidState, JunctionArm, solve_closed_end, solve_junction,
@@ -159,7 +159,7 @@ fn layers_that_meet_at_a_junction_balance_energy() {
                         }),
                     });
                     let states = law.advance(&incoming, &step_interval(number, step), cell);
-                    supplied += crate::support::face_work(&states, &incoming, step).0;
+                    supplied += crate::interface::support::face_work(&states, &incoming, step).0;
                 }
             }
             let middle = energy(&rows);

@@ -1,6 +1,6 @@
 //! Cracked and breaking layers: fracture, contact, and a stack of blocks under a pulse in closed form.
 
-use crate::support::{
+use crate::interface::support::{
     ELASTIC, History, IMPEDANCES, MASS_DISTRIBUTIONS, RandomLoad, initial_history,
     plastic_constants, step_interval,
 };
@@ -100,7 +100,7 @@ fn cracks_open_and_close_without_loss() {
             let was_open = history[history::NORMAL_STATE] > 0.0;
             let states = law.advance(&incoming, &step_interval(number, 0.21), &mut history);
             let after = law.energy(&history);
-            let (work, size) = crate::support::face_work(&states, &incoming, 0.21);
+            let (work, size) = crate::interface::support::face_work(&states, &incoming, 0.21);
             let gain = after.kinetic + after.stored - before.kinetic - before.stored;
             worst = worst.max((gain - work).abs() / (size + before.total() + after.total()));
             switches += usize::from(was_open != (history[history::NORMAL_STATE] > 0.0));

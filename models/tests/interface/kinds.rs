@@ -1,6 +1,6 @@
 //! Kinds of layers in the registry: constants, examples, errors.
 
-use crate::support::{ELASTIC, SATURATED, plastic_constants};
+use crate::interface::support::{ELASTIC, SATURATED, plastic_constants};
 use wellposed_models::common::parameter::{Parameter, Presence};
 use wellposed_models::interface::kinds::{NORMAL_COMPONENT_NAMES, TANGENTIAL_COMPONENT_NAMES};
 use wellposed_models::interface::layer::LayerLaw;

@@ -1,6 +1,6 @@
 //! Layers between half-spaces in limits with a solution in closed form.
 
-use crate::support::{
+use crate::interface::support::{
     ELASTIC, History, IMPEDANCES, MASS_DISTRIBUTIONS, RandomLoad, initial_history, layer_materials,
     plastic_constants, step_interval,
 };

@@ -1,6 +1,6 @@
 //! Elastic-plastic layers: the tractions stay in the yield set, also at its apex; return mapping; slip.
 
-use crate::support::{
+use crate::interface::support::{
     ELASTIC, MASS_DISTRIBUTIONS, RandomLoad, initial_history, plastic_constants, step_interval,
 };
 use testkit::random::RandomNumbers;

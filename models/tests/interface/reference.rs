@@ -5,7 +5,9 @@
 //! With given R±(t), z̄ = ½(z⁺ + z⁻) and Δz = z⁺ − z⁻: d = (R⁺ − R⁻ − Δz V − 2S)/z̄ and
 //! mV̇ = R⁺ + R⁻ − 2z̄V − ½Δz d.
 
-use crate::support::{ELASTIC, IMPEDANCES, PORES, SATURATED, VISCOUS, plastic_constants};
+use crate::interface::support::{
+    ELASTIC, IMPEDANCES, PORES, SATURATED, VISCOUS, plastic_constants,
+};
 use wellposed_models::interface::history;
 use wellposed_models::interface::layer::{LayerLaw, MAX_HISTORY_VARIABLES};
 use wellposed_models::interface::parameters::{LayerMaterial, TangentialConstants};

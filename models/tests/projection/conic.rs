@@ -1,13 +1,13 @@
 //! Closest-point projections against the conic solver Clarabel.
 
-use crate::interlayer::{
+use crate::projection::interlayer::{
     DegenerateKind, random_interlayer_set, random_plane_solid, strengths_and_frictions,
 };
-use crate::mises::{
+use crate::projection::mises::{
     YIELD_SET_CASES, bulk_modulus, eigenspace_stiffnesses, eigenspace_weights, mean_stress,
     random_mises_set, random_stress, scale_stress, twice_elastic_energy,
 };
-use crate::random_solids::random_solid;
+use crate::projection::random_solids::random_solid;
 use crate::support::{RandomNumbers, draw_log_uniform};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{

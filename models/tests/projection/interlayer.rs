@@ -1,7 +1,7 @@
 //! Projection onto interlayer yield sets: optimality conditions, and the out-of-plane stress.
 
-use crate::random_solids::random_solid;
-use crate::residuals::{OPTIMALITY_TOLERANCE, OptimalityResiduals};
+use crate::projection::random_solids::random_solid;
+use crate::projection::residuals::{OPTIMALITY_TOLERANCE, OptimalityResiduals};
 use crate::support::{DoubleDouble, RandomNumbers, dd, draw_log_uniform};
 use wellposed_models::solid::parameters::{Isotropic, PlaneCompliances, Theory};
 use wellposed_models::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet};

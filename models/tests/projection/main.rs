@@ -11,5 +11,3 @@ mod interlayer;
 mod mises;
 mod random_solids;
 mod residuals;
-#[path = "../support/mod.rs"]
-mod support;

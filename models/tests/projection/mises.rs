@@ -1,7 +1,7 @@
 //! Projection onto cones of Mises and Drucker–Prager type: optimality conditions and radial return.
 
-use crate::random_solids::random_solid;
-use crate::residuals::{OPTIMALITY_TOLERANCE, OptimalityResiduals};
+use crate::projection::random_solids::random_solid;
+use crate::projection::residuals::{OPTIMALITY_TOLERANCE, OptimalityResiduals};
 use crate::support::{DoubleDouble, RandomNumbers, dd, draw_log_uniform};
 use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Theory};
 use wellposed_models::solid::stress::Stress;
