@@ -1,14 +1,9 @@
-//! QZ algorithm: backward errors, exact eigenvalues, and faer as an independent solver.
+//! QZ algorithm: backward errors, exact eigenvalues, and as an independent solver nalgebra's Schur form of a shifted inverse.
 
 use crate::support::exact::{System256, evaluate_with_derivative, solve_roots};
 use crate::support::real256::Complex256;
 use crate::support::states::{RandomNumbers, sample_wide_range, seeded_generator};
 use crate::support::system_entries::{C, DerivativeOperator, T, X, build_system};
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::ComputeEigenvectors::No;
-use faer::linalg::gevd::{gevd_cplx, gevd_scratch};
-use faer::{Mat, Par};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -54,25 +49,16 @@ fn equilibrated_matrices(qz: &Qz, n: usize) -> [ComplexMatrix; 2] {
     [0, 1].map(|which| ComplexMatrix::from_fn(n, n, |i, j| qz.equilibrated_entries(i, j)[which]))
 }
 
-/// Eigenvalues by faer except exactly infinite ones; eigenvalues that are infinite only up to rounding are included.
-fn faer_eigenvalues(left: &ComplexMatrix, right: &ComplexMatrix) -> Vec<Complex64> {
-    let n = left.nrows();
-    let [mut left, mut right] = [left, right].map(|m| Mat::from_fn(n, n, |i, j| m[(i, j)]));
-    let (mut alpha, mut beta) = (Diag::zeros(n), Diag::zeros(n));
-    let scratch = gevd_scratch::<Complex64>(n, No, No, Par::Seq, Default::default());
-    gevd_cplx(
-        left.as_mut(),
-        right.as_mut(),
-        alpha.as_mut(),
-        beta.as_mut(),
-        None,
-        None,
-        Par::Seq,
-        MemStack::new(&mut MemBuffer::new(scratch)),
-        Default::default(),
-    )
-    .expect("convergence");
-    (0..n).filter(|&i| beta[i] != Complex64::ZERO).map(|i| alpha[i] / beta[i]).collect()
+/// Eigenvalues λ except exactly infinite ones, from those of (L − μR)⁻¹R, which are 1/(λ − μ), at a shift μ of the size of
+/// the eigenvalues; eigenvalues that are infinite only up to rounding are included.
+fn shifted_eigenvalues(left: &ComplexMatrix, right: &ComplexMatrix) -> Vec<Complex64> {
+    if right.norm() == 0.0 {
+        return Vec::new();
+    }
+    let shift = Complex64::new(0.4, 0.3) * (left.norm() / right.norm());
+    let inverse = (left - right * shift).lu().solve(right).expect("a shift that is no eigenvalue");
+    let found = inverse.schur().eigenvalues().expect("a triangular matrix");
+    found.iter().filter(|own| **own != Complex64::ZERO).map(|own| shift + own.inv()).collect()
 }
 
 /// Largest distance from a wanted eigenvalue to the nearest computed one, relative to their moduli.
@@ -107,9 +93,13 @@ fn condition_number(exact: &System256, wave: [f64; 2], root: Complex256) -> f64 
     sum / slope / root.modulus().to_f64()
 }
 
+/// Share of the well-conditioned roots that QZ of faer 0.24, which is not called here because it takes long to compile, misses
+/// in the same states: 23 of 2948 in the first 1400.
+const MISSED_BY_FAER: f64 = 23.0 / 2948.0;
+
 /// Verifies the pencils of the models at random states and waves: small backward errors, as many finite eigenvalues as
-/// the exact polynomial has roots in at least 99.9 % of the states, and, in the first fifth of the states, no more
-/// well-conditioned roots missed than by faer.
+/// the exact polynomial has roots in at least 99.9 % of the states, and, in the first fifth of the states, no larger
+/// share of well-conditioned roots missed than by faer 0.24 ([`MISSED_BY_FAER`]).
 #[test]
 fn model_pencils_have_small_backward_errors() {
     check_model_pencils(7000);
@@ -120,8 +110,8 @@ fn check_model_pencils(count: u64) {
     struct PencilOutcome {
         error: f64,
         has_exact_count: bool,
-        /// Numbers of well-conditioned roots, of roots missed by QZ, and of roots missed by faer.
-        root_counts: [usize; 3],
+        /// Numbers of well-conditioned roots and of those that are missed.
+        root_counts: [usize; 2],
     }
     let outcomes: Vec<PencilOutcome> = (0..count)
         .into_par_iter()
@@ -137,27 +127,21 @@ fn check_model_pencils(count: u64) {
             let n = system.equations.len();
             let qz = &mut Qz::default();
             pencil.equilibrate(qz, k, direction);
-            let [left, right] = equilibrated_matrices(qz, n);
-            let unit = f64::from(qz.rate_exponent()).exp2();
             let (found, error) = solve_with_backward_error(qz, n);
             let exact = System256::from_linearised(&system);
             let wanted = solve_roots(&exact.coefficients_at_wave(wave));
             let mut outcome = PencilOutcome {
                 error,
                 has_exact_count: found.len() == wanted.len(),
-                root_counts: [0; 3],
+                root_counts: [0; 2],
             };
             if seed < count / 5 {
-                let faer: Vec<_> =
-                    faer_eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
                 for root in wanted {
                     if !root.is_zero() && condition_number(&exact, wave, root) < 1e6 {
                         let root = root.to_complex64() / pencil.scaled.rate_unit;
-                        let misses =
-                            |found| usize::from(max_relative_distance(found, &[root]) > 1e-6);
+                        let is_missed = max_relative_distance(&found, &[root]) > 1e-6;
                         outcome.root_counts[0] += 1;
-                        outcome.root_counts[1] += misses(&found);
-                        outcome.root_counts[2] += misses(&faer);
+                        outcome.root_counts[1] += usize::from(is_missed);
                     }
                 }
             }
@@ -166,21 +150,20 @@ fn check_model_pencils(count: u64) {
         .collect();
     let worst = outcomes.iter().map(|o| o.error).fold(0.0, f64::max);
     let miscounted = outcomes.iter().filter(|o| !o.has_exact_count).count();
-    let [all, missed, missed_by_faer] =
-        [0, 1, 2].map(|which| outcomes.iter().map(|o| o.root_counts[which]).sum::<usize>());
+    let [all, missed] =
+        [0, 1].map(|which| outcomes.iter().map(|o| o.root_counts[which]).sum::<usize>());
     println!(
         "{count} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
-         finite eigenvalues than roots; of {all} well-conditioned roots {missed} missed, \
-         {missed_by_faer} by faer"
+         finite eigenvalues than roots; of {all} well-conditioned roots {missed} missed"
     );
     assert!(worst < 3e-15);
     assert!(miscounted as u64 * 1000 <= count);
-    assert!(42 * all as u64 > count && missed * 50 <= all && missed <= missed_by_faer);
+    assert!(42 * all as u64 > count && missed as f64 <= MISSED_BY_FAER * all as f64);
 }
 
-/// Verifies dense random pencils of all sizes with regular R against faer.
+/// Verifies dense random pencils of all sizes with regular R against an independent solver.
 #[test]
-fn regular_random_pencils_agree_with_faer() {
+fn regular_random_pencils_agree_with_shifted_inverses() {
     compare_regular_pencils(3000);
 }
 
@@ -194,18 +177,18 @@ fn compare_regular_pencils(count: u64) {
             let [left, right] = [0; 2].map(|_| random_matrix(random, n));
             let found = verified_eigenvalues(&left, &right);
             assert_eq!(found.len(), n);
-            max_relative_distance(&found, &faer_eigenvalues(&left, &right))
+            max_relative_distance(&found, &shifted_eigenvalues(&left, &right))
         })
         .collect::<Vec<f64>>();
     let far = worst.iter().filter(|d| **d > 1e-9).count();
-    println!("{far} of {} farther than 1e-9 from faer's", worst.len());
+    println!("{far} of {} farther than 1e-9 from those of shifted inverses", worst.len());
     assert!(500 * far <= worst.len() && worst.iter().all(|d| *d < 1e-3));
 }
 
-/// Verifies R of any rank r against faer: exactly r finite eigenvalues if the rank shows in zero rows, otherwise the r
+/// Verifies R of any rank r against an independent solver: exactly r finite eigenvalues if the rank shows in zero rows, otherwise the r
 /// eigenvalues of smallest modulus.
 #[test]
-fn singular_random_pencils_agree_with_faer() {
+fn singular_random_pencils_agree_with_shifted_inverses() {
     compare_singular_pencils(600);
 }
 
@@ -227,7 +210,7 @@ fn compare_singular_pencils(count: u64) {
             assert!(found.len() == rank || (!exact && found.len() > rank), "seed {seed}");
             let gap = max_relative_distance(
                 &by_modulus(found),
-                &by_modulus(faer_eigenvalues(&left, &right)),
+                &by_modulus(shifted_eigenvalues(&left, &right)),
             );
             assert!(gap < 1e-4, "seed {seed}: {gap:e}");
         }

@@ -10,7 +10,7 @@ use models::flow::{FlowKind, Model};
 use models::registry;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use testkit::flows::FlowParameters;
-use wellposed_analysis::certified::BoxVerdict;
+use wellposed_analysis::certified::{BoxProof, BoxVerdict};
 use wellposed_analysis::flows::FlowWorkspace;
 
 pub const FAMILIES: [Family; 5] = [
@@ -156,6 +156,6 @@ impl FlowBox {
             .collect();
         (constants[0], constants[1]) = (phi, nu);
         let conditions = model.box_conditions(&flow, &constants, delta);
-        conditions.map_or(BoxVerdict::NotDecided, |own| BoxVerdict::from_conditions(&own))
+        conditions.map_or(BoxVerdict::NotDecided, |own| BoxProof::from_conditions(&own).verdict)
     }
 }

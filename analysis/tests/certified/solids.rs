@@ -74,7 +74,8 @@ fn draw_layers(random: &mut RandomNumbers, half: f64, has_spin: bool) -> BoxSamp
     let is_positive = random.bernoulli(0.5);
     let [lambda, mu, alpha, friction, dilatancy] = numbers.map(BoxNumber::enclose);
     let alpha = if has_spin { alpha } else { TaylorModel::ZERO };
-    let proved = SlippingLayers { lambda, mu, alpha, friction, dilatancy, is_positive }.verdict();
+    let proved =
+        SlippingLayers { lambda, mu, alpha, friction, dilatancy, is_positive }.prove().verdict;
     sample(proved, numbers, move |[lambda, mu, alpha, friction, dilatancy]| {
         let microrotation = has_spin.then_some(Microrotation { alpha, inertia: 0.8, couple: None });
         let set = InterlayerYieldSet {
@@ -102,8 +103,9 @@ fn draw_cone(random: &mut RandomNumbers, half: f64) -> BoxSample<'static> {
     let [lambda, mu, friction, dilatancy, hardening, third] = numbers.map(BoxNumber::enclose);
     let exact = TaylorModel::from_exact;
     let principal_stresses = [exact(unit), exact(-unit), third];
-    let proved =
-        YieldCone { lambda, mu, friction, dilatancy, hardening, principal_stresses }.verdict();
+    let proved = YieldCone { lambda, mu, friction, dilatancy, hardening, principal_stresses }
+        .prove()
+        .verdict;
     sample(proved, numbers, move |[lambda, mu, friction, dilatancy, hardening, third]| {
         let mut direction = Stress::default();
         (direction.force[0][0], direction.force[1][1], direction.force[2][2]) =
@@ -163,7 +165,8 @@ fn stresses_that_never_yield_are_not_decided() {
             hardening: exact(0.2),
             principal_stresses: [q, -q, exact(-1.0)],
         }
-        .verdict()
+        .prove()
+        .verdict
     };
     assert_eq!(verdict([-0.06, 0.06]), BoxVerdict::NotDecided);
     assert_eq!(verdict([0.3, 0.31]), BoxVerdict::WellPosed);
@@ -182,7 +185,7 @@ fn signs_of_forms_are_those_of_their_least_values() {
         let round = DirectionForm::new(vec![exact(1.0), exact(0.0), exact(1.0)]);
         let line = DirectionForm::new(vec![exact(1.0), exact(-a)]);
         let form = &(&(&line * &line) * &round) + &(level * &(&round * &round));
-        assert_eq!(form.is_positive(), c > 0.0, "{a} {c} {half}");
-        assert_eq!(form.negative_direction().is_some(), c < 0.0, "{a} {c} {half}");
+        assert_eq!(form.prove_positive().is_some(), c > 0.0, "{a} {c} {half}");
+        assert_eq!(form.prove_negative().is_some(), c < 0.0, "{a} {c} {half}");
     }
 }

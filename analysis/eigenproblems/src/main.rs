@@ -1,5 +1,5 @@
 //! Complex generalised eigenproblems per second on one core: the pencils of all models at random
-//! states, and larger random ones. `eigenproblems.py` beside this file hands the same matrices to
+//! states, and larger random ones. `eigenproblems.py` in this package hands the same matrices to
 //! SciPy and LAPACK in the same run and describes the command line.
 //!
 //! `eigenproblems FILE`: writes the matrices to FILE, then, for each line on standard input with the index of a set
@@ -9,7 +9,7 @@
 //! FILE: 64-bit little-endian words. Number of sets; for each, the size n and the number of problems as integers, then
 //! for each problem the equilibrated matrices L and R of L x = λ R x, by columns, as (re, im) doubles.
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../../tests/support/mod.rs"]
 mod support;
 
 use faer::diag::Diag;
@@ -154,8 +154,7 @@ fn measure_rate(mut all: impl FnMut()) -> f64 {
 }
 
 fn main() -> std::io::Result<()> {
-    // `cargo bench` appends --bench.
-    let Some(path) = std::env::args().nth(1).filter(|path| !path.starts_with("--")) else {
+    let Some(path) = std::env::args().nth(1) else {
         eprintln!("usage: eigenproblems FILE");
         return Ok(());
     };

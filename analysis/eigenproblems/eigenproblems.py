@@ -1,9 +1,9 @@
 """Complex generalised eigenproblems per second on one core, all on the same matrices, in turn:
 this crate (its equilibration included), faer, LAPACK's zggev called from C, and SciPy.
 
-    cargo bench -p wellposed-analysis --bench eigenproblems --no-run    # prints BENCH
-    cc -O2 analysis/benches/zggev.c -o ZGGEV -llapack -lblas
-    python3 analysis/benches/eigenproblems.py BENCH ZGGEV=LIBRARIES... [--rounds 7]
+    cargo build --release --manifest-path analysis/eigenproblems/Cargo.toml    # BENCH: target/release/eigenproblems
+    cc -O2 analysis/eigenproblems/zggev.c -o ZGGEV -llapack -lblas
+    python3 analysis/eigenproblems/eigenproblems.py BENCH ZGGEV=LIBRARIES... [--rounds 7]
 
 ZGGEV is run once for each LIBRARIES, a folder for LD_LIBRARY_PATH (with liblapack.so.3 and
 libblas.so.3 of reference LAPACK, of OpenBLAS), or nothing after `=` for the system's own.
