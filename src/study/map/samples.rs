@@ -18,7 +18,7 @@ const DIRECTION_INTERVALS: usize = 36;
 /// Number of waves that are sampled on any map: they take less time than its picture.
 const MIN_WAVE_COUNT: usize = 12_000;
 /// Number of waves that are sampled in addition for each point whose verdict is from the linearised equations, which takes
-/// about as long as 13 waves.
+/// several times as long.
 const WAVES_PER_ASSESSED_POINT: usize = 2;
 
 /// Number of samples between progress reports.
