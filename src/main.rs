@@ -214,8 +214,8 @@ enum Verb {
         #[command(flatten)]
         pictures: PictureArguments,
     },
-    /// Compare the files of a results folder with their checksums, and check the proof of a certificate in rational
-    /// arithmetic; exit code 1 if a file is damaged or a certificate proves nothing
+    /// Compare the files of a results folder with their checksums, and check the proof of a certificate; exit code 1 if a
+    /// file is damaged or a certificate proves nothing
     Verify {
         /// Results folder, or a certificate of wellposed point --certified
         #[arg(value_name = "DIR|FILE")]

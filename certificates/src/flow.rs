@@ -1,9 +1,9 @@
 //! Conditions in closed form of plane flows.
 
-use crate::Test;
 use crate::interval::{Interval, pi};
 use crate::polynomial::Polynomial;
 use crate::quantity::Quantity;
+use crate::test::{DILATANCY_ANGLE, FRICTION_ANGLE, NONCOAXIALITY, Test};
 use crate::verification::{Numbers, Problem};
 
 /// Quantities that are all positive exactly where the flow is well-posed, with their names.
@@ -11,10 +11,8 @@ pub(crate) fn conditions(
     test: Test,
     numbers: &Numbers,
 ) -> Result<Vec<(&'static str, Quantity)>, Problem> {
-    const FRICTION: &str = "model.friction_angle_deg";
-    const DILATANCY: &str = "model.dilatancy_angle_deg";
     if test == Test::PlasticPotential {
-        let difference = &numbers.value(FRICTION)? - &numbers.value(DILATANCY)?;
+        let difference = &numbers.value(FRICTION_ANGLE)? - &numbers.value(DILATANCY_ANGLE)?;
         // −|φ − ν| in radians: of the sign that it has in all of the box, if it has one.
         let magnitude = match difference.is_positive() {
             true => &Polynomial::whole(0) - &difference,
@@ -25,7 +23,7 @@ pub(crate) fn conditions(
         return Ok(vec![("−|φ − ν|", quantity)]);
     }
     if test == Test::DoubleShearing {
-        let (phi, nu) = (numbers.angle(FRICTION)?, numbers.angle(DILATANCY)?);
+        let (phi, nu) = (numbers.angle(FRICTION_ANGLE)?, numbers.angle(DILATANCY_ANGLE)?);
         let difference = phi.minus(&nu);
         // −cos(φ − 2ν)/(sin(φ − ν) [cos(φ − ν) + sin ν]), with the norms of φ − ν and φ − 2ν, which are products of those of φ
         // and ν, divided out.
@@ -38,14 +36,14 @@ pub(crate) fn conditions(
             Quantity::new(numerator, divisor),
         )]);
     }
-    let delta = numbers.angle("background.noncoaxiality_deg")?;
+    let delta = numbers.angle(NONCOAXIALITY)?;
     let twice_delta = delta.plus(&delta);
     let coaxiality =
         ("cos 2Δ", Quantity::new(twice_delta.cosine.clone(), twice_delta.norm.clone()));
-    if numbers.is_zero(DILATANCY) {
+    if numbers.is_zero(DILATANCY_ANGLE) {
         return Ok(vec![coaxiality]);
     }
-    let (phi, nu) = (numbers.angle(FRICTION)?, numbers.angle(DILATANCY)?);
+    let (phi, nu) = (numbers.angle(FRICTION_ANGLE)?, numbers.angle(DILATANCY_ANGLE)?);
     let difference = phi.minus(&nu);
     // cos²ν cos φ cos(φ − 2ν) cos²2Δ − sin²ν cos²(φ − ν) sin²2Δ
     let square = |own: &Polynomial| own * own;

@@ -1,8 +1,8 @@
 //! Certificates of verdicts that are proved for all states of a box of parameters, and their verification.
 //!
 //! A [`Certificate`] states what is proved and on which enclosures the proof rests. [`Certificate::verify`] shares no code with
-//! the proof: it derives the deciding quantities anew, as polynomials with rational coefficients in the parameters of the box,
-//! in tangents of half angles and in the direction, and finds their signs from Bernstein coefficients in exact arithmetic.
+//! the proof: it writes the deciding quantities as polynomials in the parameters of the box, in tangents of half angles and in
+//! the direction, and finds their signs from Bernstein coefficients, in fractions and in intervals of 192 bits.
 //! That the signs decide is a theorem, which `docs/theory.md` states for each [`Test`].
 
 mod angle;
@@ -13,13 +13,14 @@ mod interval;
 mod layers;
 mod polynomial;
 mod quantity;
+mod test;
 mod verification;
 
+pub use test::Test;
 pub use verification::{Verification, VerificationError};
 
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 /// Version of the format of certificates; raised when a key changes its name or meaning.
 pub const FORMAT_VERSION: u32 = 1;
@@ -36,8 +37,8 @@ pub struct Certificate {
     pub test: Test,
     /// The verdict on all states of the box.
     pub verdict: ProvedVerdict,
-    /// Numbers that are constant, by their keys in case files and in the units of these: the decimals that are printed, exactly.
-    pub numbers: BTreeMap<String, f64>,
+    /// Numbers that are constant.
+    pub numbers: Vec<Number>,
     /// Numbers that run over the box, at most two.
     #[serde(rename = "box")]
     pub axes: Vec<Axis>,
@@ -50,42 +51,31 @@ pub struct Certificate {
 impl Certificate {
     /// What is verified, in words: test, verdict and numbers.
     pub fn describe(&self) -> String {
-        let of = match self.test {
-            Test::HarrisGrekova => "Harris-Grekova flow",
-            Test::DoubleShearing => "double shearing",
-            Test::PlasticPotential => "plastic potential",
-            Test::SlippingLayersPositive => "slipping layers, positive shear stress",
-            Test::SlippingLayersNegative => "slipping layers, negative shear stress",
-            Test::YieldCone => "yield cone in space",
-        };
+        let is_zero = |key: &str| self.numbers.iter().any(|own| own.key == key && own.value == 0.0);
         let verdict = match self.verdict {
-            ProvedVerdict::WellPosed => "well-posed",
-            ProvedVerdict::IllPosed => "ill-posed",
+            ProvedVerdict::IllPosed => "is ill-posed".to_owned(),
+            ProvedVerdict::WellPosed => match self.test.lower_order_condition() {
+                Some((key, premise)) if !is_zero(key) => {
+                    format!("has a well-posed leading symbol{premise}")
+                }
+                _ => "is well-posed".to_owned(),
+            },
         };
-        let axes =
-            self.axes.iter().map(|own| format!("{} from {} to {}", own.key, own.from, own.to));
-        let numbers = self.numbers.iter().map(|(key, value)| format!("{key} = {value}"));
+        let axes = self.axes.iter();
+        let axes = axes.map(|own| {
+            format!("{} from {} to {}", own.key, format_number(own.from), format_number(own.to))
+        });
+        let numbers = self.numbers.iter();
+        let numbers = numbers.map(|own| format!("{} = {}", own.key, format_number(own.value)));
         let all: Vec<String> = axes.chain(numbers).collect();
-        format!("{of} is {verdict} for {}", all.join(", "))
+        format!("{} {verdict} for {}", self.test.title(), all.join(", "))
     }
 }
 
-/// Test whose signs decide.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Test {
-    /// Conditions in closed form of the Harris–Grekova model.
-    HarrisGrekova,
-    /// Condition in closed form of double shearing.
-    DoubleShearing,
-    /// Condition in closed form of the plastic potential.
-    PlasticPotential,
-    /// Sum, product and discriminant of both ρc² of a solid whose layers slip under positive shear stress, in the plane.
-    SlippingLayersPositive,
-    /// The same under negative shear stress.
-    SlippingLayersNegative,
-    /// Copositivity of the form of the determinant of the acoustic tensor of a classical solid with a yield cone, in space.
-    YieldCone,
+/// A number as text, in powers of ten if it is very large or small.
+pub fn format_number(value: f64) -> String {
+    let is_moderate = value == 0.0 || (1e-5..1e15).contains(&value.abs());
+    if is_moderate { value.to_string() } else { format!("{value:e}") }
 }
 
 /// Verdict on all states of a box.
@@ -98,13 +88,23 @@ pub enum ProvedVerdict {
     IllPosed,
 }
 
+/// Constant number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Number {
+    /// Key in case files.
+    pub key: String,
+    /// Value, in the unit of the key: the shortest decimal of the double, exactly.
+    pub value: f64,
+}
+
 /// Number that runs over a box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Key in case files.
     pub key: String,
-    /// Least value, in the unit of the key: the decimal that is printed, exactly.
+    /// Least value, in the unit of the key: the shortest decimal of the double, exactly.
     pub from: f64,
     /// Largest value.
     pub to: f64,

@@ -2,13 +2,15 @@
 
 use crate::angle::Angle;
 use crate::cone::Form;
-use crate::coverage::covers;
+use crate::coverage::{covers, covers_interval};
 use crate::flow;
+use crate::format_number;
 use crate::interval::Interval;
 use crate::layers::{Invariants, QUANTITIES};
 use crate::polynomial::{DIRECTION, Polynomial};
 use crate::quantity::Quantity;
-use crate::{Certificate, Claim, Directions, FORMAT_VERSION, Part, ProvedVerdict, Test};
+use crate::test::Test;
+use crate::{Axis, Certificate, Claim, Directions, FORMAT_VERSION, Number, Part, ProvedVerdict};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -18,6 +20,15 @@ use thiserror::Error;
 /// Largest number of halvings of a part along each axis over which the direction of stress varies.
 const MAX_HALVINGS: u32 = 6;
 
+/// Largest number of parts: five halvings along two axes.
+const MAX_PART_COUNT: usize = 1 << 10;
+
+/// Largest number of claims on a part.
+const MAX_CLAIM_COUNT: usize = 1 << 10;
+
+/// Fault of a claim with directions.
+const FOR_ALL_DIRECTIONS: &str = "it holds for all directions";
+
 /// Name of the form of [`Test::YieldCone`].
 pub(crate) const FORM: &str = "xᵀAx";
 
@@ -26,8 +37,6 @@ pub(crate) const FORM: &str = "xᵀAx";
 pub struct Verification {
     /// Number of parts of the box.
     pub part_count: usize,
-    /// Number of claims.
-    pub claim_count: usize,
 }
 
 /// Reason why a certificate proves nothing.
@@ -47,6 +56,8 @@ pub(crate) enum Problem {
     Text(&'static str),
     #[error("{key} = {value}, expected {expected}")]
     Number { key: String, value: String, expected: &'static str },
+    #[error("expected the numbers of {test}, each once, two of them at most over the box: {keys}")]
+    Keys { test: &'static str, keys: String },
     #[error("there is no number {key}")]
     Missing { key: String },
     #[error("{quantity} is claimed to lie from {low:e} to {high:e}, but takes the value {value:e}")]
@@ -200,8 +211,13 @@ impl Certificate {
                 expected: "1, the format that this program reads",
             }));
         }
+        let is_large = |part: &Part| part.claims.len() > MAX_CLAIM_COUNT;
+        if self.parts.len() > MAX_PART_COUNT || self.parts.iter().any(is_large) {
+            return Err(whole(Problem::Text("more than 1024 parts, or claims on a part")));
+        }
         let constants = self.read_constants().map_err(whole)?;
-        let axes = self.read_axes(&constants).map_err(whole)?;
+        let axes = self.read_axes().map_err(whole)?;
+        self.check_numbers(&constants, &axes).map_err(whole)?;
         let parts: Vec<Vec<[BigRational; 2]>> =
             self.parts.iter().map(read_ends).collect::<Result<_, _>>().map_err(whole)?;
         if !covers(&axes, &parts) {
@@ -222,42 +238,64 @@ impl Certificate {
             self.verify_part(part, &numbers)
                 .map_err(|problem| VerificationError { part: Some(index), problem })?;
         }
-        Ok(Verification { part_count: self.parts.len(), claim_count: claims().count() })
+        Ok(Verification { part_count: self.parts.len() })
     }
 
     fn read_constants(&self) -> Result<BTreeMap<String, BigRational>, Problem> {
-        let read = |(key, value): (&String, &f64)| {
-            let number = decimal(*value).ok_or_else(|| Problem::Number {
-                key: key.clone(),
-                value: value.to_string(),
+        let read = |own: &Number| {
+            let number = decimal(own.value).ok_or_else(|| Problem::Number {
+                key: own.key.clone(),
+                value: own.value.to_string(),
                 expected: "a finite number",
             })?;
-            Ok((key.clone(), number))
+            Ok((own.key.clone(), number))
         };
         self.numbers.iter().map(read).collect()
     }
 
-    fn read_axes(
+    fn read_axes(&self) -> Result<Vec<[BigRational; 2]>, Problem> {
+        let read = |own: &Axis| match [own.from, own.to].map(decimal) {
+            [Some(low), Some(high)] if low < high => Ok([low, high]),
+            _ => Err(Problem::Number {
+                key: own.key.clone(),
+                value: format!("{} to {}", format_number(own.from), format_number(own.to)),
+                expected: "two finite numbers, the least first",
+            }),
+        };
+        self.axes.iter().map(read).collect()
+    }
+
+    /// Checks that each number of the test is given once, and no other, and that the model takes them.
+    fn check_numbers(
         &self,
         constants: &BTreeMap<String, BigRational>,
-    ) -> Result<Vec<[BigRational; 2]>, Problem> {
-        if self.axes.len() > 2 {
-            return Err(Problem::Text("the box has more than two numbers"));
+        axes: &[[BigRational; 2]],
+    ) -> Result<(), Problem> {
+        let names = || {
+            let constants = self.numbers.iter().map(|own| own.key.as_str());
+            constants.chain(self.axes.iter().map(|own| own.key.as_str()))
+        };
+        let keys = self.test.keys();
+        let count = |key: &str| names().filter(|own| *own == key).count();
+        if self.axes.len() > 2
+            || names().count() != keys.len()
+            || keys.iter().any(|own| count(own) != 1)
+        {
+            return Err(Problem::Keys { test: self.test.title(), keys: keys.join(", ") });
         }
-        let read = |(index, own): (usize, &crate::Axis)| {
-            let is_given_twice = self.axes[..index].iter().any(|other| other.key == own.key)
-                || constants.contains_key(&own.key);
-            let ends = [decimal(own.from), decimal(own.to)];
-            match ends {
-                [Some(low), Some(high)] if low <= high && !is_given_twice => Ok([low, high]),
-                _ => Err(Problem::Number {
-                    key: own.key.clone(),
-                    value: format!("{} to {}", own.from, own.to),
-                    expected: "a range of a number that is given once",
-                }),
+        let ends = |key: &&str| -> Option<[BigRational; 2]> {
+            match self.axes.iter().position(|own| own.key == **key) {
+                Some(index) => Some(axes[index].clone()),
+                None => constants.get(*key).map(|own| [own.clone(), own.clone()]),
             }
         };
-        self.axes.iter().enumerate().map(read).collect()
+        let ends: Option<Vec<[BigRational; 2]>> = keys.iter().map(ends).collect();
+        self.test.check_ranges(&ends.unwrap_or_default()).map_err(Problem::Text)?;
+        let is_never = matches!(self.test, Test::DoubleShearing | Test::PlasticPotential);
+        match is_never && self.verdict == ProvedVerdict::WellPosed {
+            true => Err(Problem::Text("this model is well-posed nowhere")),
+            false => Ok(()),
+        }
     }
 
     fn verify_part(&self, part: &Part, numbers: &Numbers) -> Result<(), Problem> {
@@ -311,7 +349,7 @@ impl Certificate {
             .collect::<Result<_, Problem>>()?;
         for claim in &part.claims {
             if claim.directions.is_some() {
-                return Err(Problem::claim(&claim.quantity, "it does not depend on directions"));
+                return Err(Problem::claim(&claim.quantity, FOR_ALL_DIRECTIONS));
             }
             let index = names.iter().position(|own| *own == claim.quantity).unwrap_or(0);
             self.check_sign(&claim.quantity, &all[index].1)?;
@@ -343,7 +381,7 @@ impl Certificate {
         }
         let at_samples: Vec<[Invariants; 2]> =
             samples.iter().map(charts).collect::<Result<_, Problem>>()?;
-        let mut covered: [[Vec<Vec<[BigRational; 2]>>; 2]; 3] = Default::default();
+        let mut covered: [[Vec<[BigRational; 2]>; 2]; 3] = Default::default();
         for claim in &part.claims {
             let name = claim.quantity.as_ref();
             let index = QUANTITIES.iter().position(|own| *own == name).unwrap_or(0);
@@ -359,7 +397,7 @@ impl Certificate {
             let [Some(low), Some(high)] = ends.map(exact) else {
                 return Err(Problem::claim(name, "directions are no numbers"));
             };
-            covered[index][chart].push(vec![[low.clone(), high.clone()]]);
+            covered[index][chart].push([low.clone(), high.clone()]);
             let [low, high] = [low, high].map(Interval::Exact);
             let own = over_box[chart].forms[index].restrict(DIRECTION, &low, &high);
             self.check_sign(name, &own)?;
@@ -371,9 +409,9 @@ impl Certificate {
             }
         }
         if self.verdict == ProvedVerdict::WellPosed {
-            let all = [[-1, 1].map(|own| BigRational::from_integer(own.into()))];
+            let all = [-1, 1].map(|own| BigRational::from_integer(own.into()));
             for (name, charts) in QUANTITIES.iter().zip(covered) {
-                if !charts.iter().all(|own| covers(&all, own)) {
+                if !charts.into_iter().all(|own| covers_interval(&all, own)) {
                     return Err(Problem::claim(name, "its directions are not all covered"));
                 }
             }
@@ -414,6 +452,9 @@ impl Certificate {
                     })?;
                     self.check_names(part, &all.each_ref().map(|own| own.0))?;
                     for claim in claims {
+                        if claim.directions.is_some() {
+                            return Err(Problem::claim(&claim.quantity, FOR_ALL_DIRECTIONS));
+                        }
                         let own = all.iter().find(|own| own.0 == claim.quantity);
                         check_range(claim, own.map(|own| own.1.clone()))?;
                     }

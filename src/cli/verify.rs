@@ -1,10 +1,12 @@
 //! `wellposed verify`: compares result files with their checksums and checks certificates.
 
-use super::folder::{OutputError, VerificationResult, verify_folder};
+use super::folder::{CASE_FILE, OutputError, VerificationResult, verify_folder};
 use super::{CommandError, OutputFormat};
+use crate::case::Case;
 use crate::report::SCHEMA_VERSION;
 use crate::report::format::format_count;
 use crate::report::point::CERTIFICATE_FILE;
+use crate::study;
 use certificates::{Certificate, Verification};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -14,7 +16,8 @@ use std::path::Path;
 /// in it, and prints the result. The path may also be that of a certificate.
 ///
 /// # Errors
-/// Files are damaged, the certificate proves nothing or cannot be read, or the folder holds no results.
+/// Files are damaged, the certificate proves nothing, is not about the case of the folder or cannot be read, or the folder
+/// holds no results.
 pub fn verify(
     path: &Path,
     format: OutputFormat,
@@ -34,7 +37,7 @@ pub fn verify(
         verify_folder(path)?;
     let file = path.join(CERTIFICATE_FILE);
     let proof = match damaged.is_empty() && file.is_file() {
-        true => Some(Proof::check(&file)?),
+        true => Some(Proof::check_in_folder(path)?),
         false => None,
     };
     match format {
@@ -82,6 +85,7 @@ pub fn verify(
 
 /// A verified certificate.
 struct Proof {
+    file_name: String,
     certificate: Certificate,
     found: Verification,
 }
@@ -101,24 +105,32 @@ impl Proof {
             path: path.display().to_string(),
             cause,
         })?;
-        Ok(Self { certificate, found })
+        let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { file_name, certificate, found })
+    }
+
+    /// Checks the certificate of a results folder, which must be about its case.
+    fn check_in_folder(folder: &Path) -> Result<Self, CommandError> {
+        let path = folder.join(CERTIFICATE_FILE);
+        let own = Self::check(&path)?;
+        let case = Case::load(&folder.join(CASE_FILE), &[]).map_err(crate::Error::from)?;
+        if !study::is_certificate_of(&case, &own.certificate)? {
+            return Err(OutputError {
+                path,
+                cause: "not about the case of this folder".to_owned(),
+                remedy: "name the file itself to check it alone",
+            }
+            .into());
+        }
+        Ok(own)
     }
 
     fn to_text(&self) -> String {
-        let Verification { part_count, claim_count } = self.found;
-        format!(
-            "{CERTIFICATE_FILE}: verified in rational arithmetic ({}, {}): {}",
-            format_count(part_count, "part"),
-            format_count(claim_count, "enclosure"),
-            self.certificate.describe()
-        )
+        let parts = format_count(self.found.part_count, "part");
+        format!("{}: verified ({parts}): {}", self.file_name, self.certificate.describe())
     }
 
     fn to_json(&self) -> Value {
-        json!({
-            "verified": self.certificate.describe(),
-            "parts": self.found.part_count,
-            "enclosures": self.found.claim_count,
-        })
+        json!({ "verified": self.certificate.describe(), "parts": self.found.part_count })
     }
 }

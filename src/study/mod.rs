@@ -22,7 +22,7 @@ pub mod timing;
 pub mod verdict;
 
 pub use bloch::{BandStructureResult, compute_bloch_waves};
-pub use certified::{BoxRange, BoxRangeError, CertifiedState, certify_state};
+pub use certified::{BoxRange, BoxRangeError, CertifiedState, certify_state, is_certificate_of};
 pub use check::{CheckResult, check_agreement};
 pub use compare::{ComparisonResult, compare_runs};
 pub use diagram::{DiagramResult, compute_diagram};

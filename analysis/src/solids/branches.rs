@@ -87,7 +87,9 @@ fn sample_wave_numbers(max_wave_number: f64) -> impl Iterator<Item = f64> {
 impl BranchPoint {
     fn new(wave_number: f64, mode: &WaveMode, is_symmetric_hyperbolic: bool) -> Self {
         let square = match is_symmetric_hyperbolic {
-            true => mode.squared_frequency.re.max(0.0).into(),
+            // Not `max`, which would turn what is no number into zero.
+            true if mode.squared_frequency.re < 0.0 => Complex64::ZERO,
+            true => mode.squared_frequency.re.into(),
             false => mode.squared_frequency,
         };
         let omega = square.sqrt();

@@ -5,6 +5,7 @@ use crate::case::Case;
 use crate::report::format::{format_count, format_short};
 use crate::report::{DataFile, Report, ReportPicture};
 use crate::study::{CertifiedState, PointResult};
+use certificates::format_number;
 use serde::Serialize;
 
 /// Name of the file of the proof.
@@ -57,8 +58,10 @@ impl Report for CertifiedPoint {
 }
 
 fn format_proof(own: &CertifiedState) -> String {
-    let ranges =
-        own.axes.iter().map(|axis| format!("{} from {} to {}", axis.key, axis.from, axis.to));
+    let ranges = own.axes.iter();
+    let ranges = ranges.map(|axis| {
+        format!("{} from {} to {}", axis.key, format_number(axis.from), format_number(axis.to))
+    });
     let ranges = ranges.collect::<Vec<_>>().join(" and ");
     let states = match own.axes.len() {
         0 => "this state".to_owned(),
@@ -67,11 +70,9 @@ fn format_proof(own: &CertifiedState) -> String {
     let mut lines = vec![format!("{} for {states}: {}", own.verdict, own.method)];
     match &own.certificate {
         Some(proof) => {
-            let claims = proof.parts.iter().map(|part| part.claims.len()).sum();
             lines.push(format!(
-                "  {CERTIFICATE_FILE}: {}, {}, least margin {}",
+                "  {CERTIFICATE_FILE}: {}, least margin {}",
                 format_count(proof.parts.len(), "part"),
-                format_count(claims, "enclosure"),
                 format_short(proof.least_margin)
             ));
         }

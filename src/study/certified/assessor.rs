@@ -66,7 +66,7 @@ impl BoxAssessor {
         proof: Proof,
     ) -> Self {
         let find = |&name: &&'static str| Some((name, SweepParameter::find_by_name(name)?));
-        let named = proof.numbers().iter().filter_map(find).collect();
+        let named = proof.test().keys().iter().filter_map(find).collect();
         Self { case: case.clone(), axes, proof, named }
     }
 

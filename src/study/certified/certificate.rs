@@ -3,9 +3,10 @@
 use super::{BoxAssessor, CellVerdict, Proof};
 use crate::Error;
 use crate::case::{Case, SweepParameter};
-use certificates::{Axis, Certificate, Claim, FORMAT_VERSION, Part, ProvedVerdict};
+use certificates::{
+    Axis, Certificate, Claim, FORMAT_VERSION, Number, Part, ProvedVerdict, format_number,
+};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// Largest number of halvings of a box along each axis.
 const MAX_HALVINGS: u32 = 5;
@@ -61,7 +62,7 @@ pub struct CertifiedState {
 /// No proof is known for the material or its state, or for a number with a range; a range is empty.
 pub fn certify_state(case: &Case, ranges: &[BoxRange]) -> Result<CertifiedState, Error> {
     let proof = Proof::find(case).map_err(|error| case.locate_error(error))?;
-    let parameters = check_ranges(proof, ranges)?;
+    let parameters = check_ranges(case, proof, ranges)?;
     let axes = [parameters.first().copied(), parameters.get(1).copied()];
     let ends = [0, 1].map(|axis| ranges.get(axis).map_or([0.0; 2], |own| own.ends));
     let mut found = Parts {
@@ -77,7 +78,10 @@ pub fn certify_state(case: &Case, ranges: &[BoxRange]) -> Result<CertifiedState,
     let is_all = |verdict: CellVerdict| shares[verdict as usize] == 1.0;
     let all = CellVerdict::ALL.into_iter().find(|&own| is_all(own));
     let verdict = all.unwrap_or(CellVerdict::NotDecided);
-    let method = proof.method(case, &parameters);
+    let method = match verdict {
+        CellVerdict::IllPosed => proof.method(),
+        _ => proof.method() + proof.scope(case, &parameters),
+    };
     let [well_posed, ill_posed] = found.proved;
     let proved = match verdict {
         CellVerdict::WellPosed => Some((ProvedVerdict::WellPosed, well_posed)),
@@ -109,38 +113,77 @@ pub fn certify_state(case: &Case, ranges: &[BoxRange]) -> Result<CertifiedState,
     })
 }
 
-fn check_ranges(proof: Proof, ranges: &[BoxRange]) -> Result<Vec<SweepParameter>, BoxRangeError> {
+/// Whether a certificate is about the state of a case, or about a box about it.
+///
+/// # Errors
+/// No proof is known for the material or its state.
+pub fn is_certificate_of(case: &Case, certificate: &Certificate) -> Result<bool, Error> {
+    let proof = Proof::find(case).map_err(|error| case.locate_error(error))?;
+    let range = |own: &Axis| BoxRange { key: own.key.clone(), ends: [own.from, own.to] };
+    let ranges: Vec<BoxRange> = certificate.axes.iter().map(range).collect();
+    Ok(certificate.test == proof.test() && certificate.numbers == constants(case, proof, &ranges))
+}
+
+/// Checks that a proof is known over these ranges.
+fn check_ranges(
+    case: &Case,
+    proof: Proof,
+    ranges: &[BoxRange],
+) -> Result<Vec<SweepParameter>, BoxRangeError> {
+    let find = |key: &str| {
+        let own = SweepParameter::find_by_name(key)?;
+        own.key().is_used_by(case.medium()).then_some(own)
+    };
+    let keys = proof.test().keys();
     let check = |(index, BoxRange { key, ends: [low, high] }): (usize, &BoxRange)| {
+        let found = format!("{} to {}", format_number(*low), format_number(*high));
         let fault = |found: String, allowed: String| {
             Err(BoxRangeError { key: key.clone(), found, allowed })
         };
-        if ranges[..index].iter().any(|own| own.key == *key) || index > 1 {
-            return fault("one range more".into(), "expected ranges of at most two numbers".into());
+        if ranges[..index].iter().any(|own| own.key == *key) {
+            return fault("given twice".into(), "expected one range of a number".into());
+        }
+        if index > 1 {
+            return fault("a third range".into(), "expected ranges of at most two numbers".into());
         }
         if !(low < high && low.is_finite() && high.is_finite()) {
-            let allowed = "expected two finite numbers, the least first";
-            return fault(format!("{low} to {high}"), allowed.into());
+            return fault(found, "expected two finite numbers, the least first".into());
         }
-        match SweepParameter::find_by_name(key).filter(|_| proof.allows(key)) {
+        match find(key).filter(|_| keys.contains(&key.as_str())) {
             Some(own) => Ok(own),
-            None => fault(
-                "nothing is proved over this number".into(),
-                format!("expected one of {}", proof.allowed_names()),
-            ),
+            None => {
+                let names = keys.iter().filter(|own| find(own).is_some()).copied();
+                let names = names.collect::<Vec<_>>().join(", ");
+                let found =
+                    "the verdict does not depend on this number, or nothing is proved over it";
+                fault(found.into(), format!("expected one of {names}"))
+            }
         }
     };
-    ranges.iter().enumerate().map(check).collect()
+    let found = ranges.iter().enumerate().map(check).collect::<Result<_, _>>()?;
+    // Angles of a certificate lie within a full turn.
+    let angle = "background.noncoaxiality_deg";
+    let numbers = constants(case, proof, ranges).into_iter().map(|own| (own.key, [own.value; 2]));
+    let all = ranges.iter().map(|own| (own.key.clone(), own.ends)).chain(numbers);
+    for (key, [low, high]) in all {
+        if key == angle && !(low > -180.0 && high < 180.0) {
+            let found = format!("{} to {}", format_number(low), format_number(high));
+            let allowed = "expected angles between -180 and 180".into();
+            return Err(BoxRangeError { key, found, allowed });
+        }
+    }
+    Ok(found)
 }
 
 /// Values in the case of the numbers that the proof takes and that have no range; zero where the case has none.
-fn constants(case: &Case, proof: Proof, ranges: &[BoxRange]) -> BTreeMap<String, f64> {
+fn constants(case: &Case, proof: Proof, ranges: &[BoxRange]) -> Vec<Number> {
     let value = |key: &&str| {
         let is_range = ranges.iter().any(|own| own.key == **key);
         let found = SweepParameter::find_by_name(key).filter(|_| !is_range)?;
         let value = found.value(&case.material.numbers).filter(|own| !own.is_nan());
-        Some(((*key).to_owned(), value.unwrap_or(0.0)))
+        Some(Number { key: (*key).to_owned(), value: value.unwrap_or(0.0) })
     };
-    proof.numbers().iter().filter_map(value).collect()
+    proof.test().keys().iter().filter_map(value).collect()
 }
 
 fn least_margin(parts: &[Part]) -> f64 {

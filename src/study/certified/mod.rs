@@ -3,7 +3,7 @@
 mod assessor;
 mod certificate;
 
-pub use certificate::{BoxRange, BoxRangeError, CertifiedState, certify_state};
+pub use certificate::{BoxRange, BoxRangeError, CertifiedState, certify_state, is_certificate_of};
 
 pub(in crate::study) use assessor::BoxAssessor;
 
@@ -154,7 +154,7 @@ impl Proof {
     }
 
     /// The test of a certificate.
-    fn test(self) -> Test {
+    pub(in crate::study) fn test(self) -> Test {
         match self {
             Self::Flow(kind) if kind == HARRIS_GREKOVA => Test::HarrisGrekova,
             Self::Flow(kind) if kind == DOUBLE_SHEARING => Test::DoubleShearing,
@@ -162,33 +162,6 @@ impl Proof {
             Self::Layers { is_positive: true, .. } => Test::SlippingLayersPositive,
             Self::Layers { is_positive: false, .. } => Test::SlippingLayersNegative,
             Self::Cone => Test::YieldCone,
-        }
-    }
-
-    /// Keys of the numbers on which the verdict depends.
-    fn numbers(self) -> &'static [&'static str] {
-        match self {
-            Self::Flow(_) => &[
-                "model.friction_angle_deg",
-                "model.dilatancy_angle_deg",
-                "background.noncoaxiality_deg",
-            ],
-            Self::Layers { .. } => &[
-                "model.lambda",
-                "model.mu",
-                "model.alpha",
-                "yield.shear_friction",
-                "yield.shear_dilatancy",
-            ],
-            Self::Cone => &[
-                "model.lambda",
-                "model.mu",
-                "yield.friction",
-                "yield.dilatancy",
-                "yield.hardening",
-                "stress.deviatoric_stress",
-                "stress.out_of_plane_stress",
-            ],
         }
     }
 
@@ -254,24 +227,25 @@ impl Proof {
         sections.chain(numbers).collect::<Vec<_>>().join(", ")
     }
 
-    pub(in crate::study) fn method(self, case: &Case, axes: &[SweepParameter]) -> String {
-        let (of, scope) = (
-            match self {
-                Self::Flow(_) => "signs of conditions in closed form",
-                Self::Layers { .. } => {
-                    "signs of sum, product and discriminant of both squared speeds for all wave normals, by Bernstein \
-                     coefficients"
-                }
-                Self::Cone => {
-                    "strict copositivity of the quadratic form of the determinant of the acoustic tensor"
-                }
-            },
-            if self.is_leading_symbol(case, axes) {
-                "; terms of lower order are not enclosed"
-            } else {
-                ""
-            },
-        );
-        format!("{of}, enclosed by Taylor models in both parameters{scope}")
+    /// Method of the proof.
+    pub(in crate::study) fn method(self) -> String {
+        let of = match self {
+            Self::Flow(_) => "signs of conditions in closed form",
+            Self::Layers { .. } => {
+                "signs of sum, product and discriminant of both squared speeds for all wave normals, by Bernstein coefficients"
+            }
+            Self::Cone => {
+                "strict copositivity of the quadratic form of the determinant of the acoustic tensor"
+            }
+        };
+        format!("{of}, enclosed by Taylor models in both parameters")
+    }
+
+    /// What a well-posed verdict leaves out; empty if nothing.
+    pub(in crate::study) fn scope(self, case: &Case, axes: &[SweepParameter]) -> &'static str {
+        match self.is_leading_symbol(case, axes) {
+            true => "; terms of lower order are not enclosed",
+            false => "",
+        }
     }
 }

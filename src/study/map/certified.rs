@@ -111,7 +111,7 @@ impl CertifiedMap {
         let all = parts.len() as f64;
         let shares = part_counts.map(|count| count as f64 / all);
         Self {
-            method: proof.method(case, &axes),
+            method: proof.method() + proof.scope(case, &axes),
             cells,
             cell_counts: std::array::from_fn(|code| (names[code], cell_counts[code])),
             area_shares: std::array::from_fn(|code| (names[code], shares[code])),
