@@ -7,8 +7,11 @@ use testkit::random::RandomNumbers;
 use wellposed::case::Case;
 use wellposed::study::{BoxRange, certify_state};
 
-/// Cases with numbers and their ranges, of which two at a time run over a box.
-const FAMILIES: [(&str, &[&str], &[(&str, f64, f64)]); 7] = [
+/// Bundled case, settings, and numbers with their ranges.
+type Family = (&'static str, &'static [&'static str], &'static [(&'static str, f64, f64)]);
+
+/// Cases with numbers of which two at a time run over a box.
+const FAMILIES: [Family; 7] = [
     (
         "granular-flow/noncoaxiality-bound",
         &[],

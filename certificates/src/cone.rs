@@ -63,10 +63,10 @@ impl Form {
     /// The bilinear form xᵀAy.
     fn value(&self, x: &[BigRational; 3], y: &[BigRational; 3]) -> Polynomial {
         let mut sum = Polynomial::whole(0);
-        for i in 0..3 {
-            for j in 0..3 {
-                let weight = Polynomial::constant(Interval::Exact(&x[i] * &y[j]));
-                sum = &sum + &(&weight * &self.entries[i][j]);
+        for (row, x) in self.entries.iter().zip(x) {
+            for (entry, y) in row.iter().zip(y) {
+                let weight = Polynomial::constant(Interval::Exact(x * y));
+                sum = &sum + &(&weight * entry);
             }
         }
         sum

@@ -141,7 +141,7 @@ impl Polynomial {
 
     /// Whether the polynomial is positive for 0 ≤ u, v, s ≤ 1.
     pub(crate) fn is_positive(&self) -> bool {
-        self.bernstein().is_positive()
+        self.bernstein().prove_positive()
     }
 }
 
@@ -175,7 +175,7 @@ impl Bernstein {
 
     /// Whether the polynomial is positive in all of the box, which is halved until all coefficients are positive, or one at a
     /// corner is not.
-    fn is_positive(self) -> bool {
+    fn prove_positive(self) -> bool {
         let (mut open, mut count) = (vec![self], 0);
         while let Some(own) = open.pop() {
             count += 1;

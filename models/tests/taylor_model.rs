@@ -2,6 +2,7 @@
 //! error falls with the square of the box.
 
 use crate::support::{DifferentiableReal, DoubleDouble, RIGHT_ANGLE, RandomNumbers, dd};
+use std::f64::consts::PI;
 use wellposed_models::common::scalar::{Function, Scalar};
 use wellposed_models::common::taylor_model::TaylorModel;
 
@@ -302,7 +303,7 @@ fn polar_angles_lie_within_their_enclosures() {
     let random = &mut RandomNumbers::new(17);
     let mut enclosed = 0;
     for _ in 0..20_000 {
-        let (radius, angle) = (10f64.powf(random.uniform(-3.0, 3.0)), random.uniform(-3.14, 3.14));
+        let (radius, angle) = (10f64.powf(random.uniform(-3.0, 3.0)), random.uniform(-PI, PI));
         let half = radius * 10f64.powf(random.uniform(-9.0, -0.5));
         let [x, y] = [radius * angle.cos(), radius * angle.sin()];
         let [first, second] = [[x - half, x + half], [y - half, y + half]];

@@ -56,7 +56,7 @@ pub struct CertifiedState {
 }
 
 /// Proves the verdict on the state of a case, or on all states with up to two numbers in these ranges. A box in which that
-/// fails is halved along its axes, at most [`MAX_HALVINGS`] times.
+/// fails is halved along its axes, at most five times.
 ///
 /// # Errors
 /// No proof is known for the material or its state, or for a number with a range; a range is empty.
