@@ -24,6 +24,8 @@ mod equations;
 mod errata;
 #[path = "homogenised.rs"]
 mod homogenised;
+#[path = "hopper.rs"]
+mod hopper;
 #[path = "ill_conditioned_inputs.rs"]
 mod ill_conditioned_inputs;
 #[path = "interface/main.rs"]

@@ -12,10 +12,11 @@ pub mod closed_form;
 pub mod double_shearing;
 pub mod free_rotating;
 pub mod harris_grekova;
+pub mod hopper;
 mod model;
 mod parameters;
 pub mod plastic_potential;
 pub mod state;
 
-pub use model::{FlowKind, FlowLaw, FlowModel, Model, RotationKind};
+pub use model::{FlowKind, FlowLaw, FlowModel, Model, RotationKind, Slip};
 pub use parameters::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, SHARED_PARAMETERS};

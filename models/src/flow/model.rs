@@ -8,9 +8,11 @@ use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
 use crate::common::kind::impl_kind_by_name;
 use crate::common::parameter::Parameter;
+use crate::common::rounding::Rounded;
 use crate::common::system::LinearisedSystem;
 use crate::common::taylor_model::TaylorModel;
 use crate::flow::closed_form::ClosedFormVerdict;
+use std::f64::consts::FRAC_PI_4;
 use std::fmt;
 use std::sync::Arc;
 
@@ -137,6 +139,16 @@ impl FlowKind {
 
 impl_kind_by_name!(FlowKind);
 
+/// Slip on a family of parallel slip lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slip {
+    /// Angle of the slip lines from x₁, rad.
+    pub angle: f64,
+    /// Rate k of slip, 1/s: difference of velocity over distance, of lines with dilatancy along the direction at the angle
+    /// ν to them. Positive in the sense of the shear stress on the lines, negative if reversed.
+    pub rate: Rounded,
+}
+
 /// A granular-flow model with checked constants.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -191,6 +203,28 @@ impl Model {
     /// in the last case the error gives the residual of the violated equation.
     pub fn background(&self, state: &MaterialState) -> Result<Background, InputError> {
         complete_background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
+    }
+
+    /// Slip on both families of slip lines, those at ψ − ε and ψ + ε with ε = π/4 + φ/2; `None` for a coaxial model. The
+    /// rates are the shear strengths k of Harris & Grekova (2005), eq. 38, by the flow rule with the material rotation ω
+    ///
+    /// ```text
+    /// k₁ + k₂ = 2 Q_D cos 2Δ / cos(φ − ν),   k₁ − k₂ = 2 (ω − s₂₁) / cos ν.
+    /// ```
+    pub fn slips(&self, flow: &DeformingFlow) -> Option<[Slip; 2]> {
+        if self.rotation() == MaterialRotation::None {
+            return None;
+        }
+        let rule = self.flow_rule();
+        let mean = Rounded::from_rounded(flow.shear_rate)
+            * (2.0 * flow.rounded_noncoaxiality()).cos()
+            / rule.volume_coefficient;
+        let half_difference = flow.relative_rotation / rule.shear_coefficient;
+        let epsilon = FRAC_PI_4 + 0.5 * self.coulomb().friction_angle;
+        Some([
+            Slip { angle: flow.stress.angle - epsilon, rate: mean + half_difference },
+            Slip { angle: flow.stress.angle + epsilon, rate: mean - half_difference },
+        ])
     }
 
     /// Computes the wave number of the variation of the background, 1/m: the maximum of |∇p| sin φ/q, |∇Ψ_Σ|, |∇ρ|/ρ,

@@ -1,9 +1,10 @@
 //! Constants of the Harris–Grekova model, its flow rule, non-coaxiality bound and leading growth rate.
 
 use crate::common::elementary::Elementary;
-use crate::common::input::InputError;
+use crate::common::input::{InputError, ensure, to_rounded_degrees};
 use crate::common::parameter::{define_parameters, to_constant_array};
 use crate::common::scalar::{Function, Scalar};
+use crate::flow::DILATANCY_ANGLE;
 use crate::flow::state::{FlowRule, MohrCoulomb, check_dilatancy};
 
 define_parameters! {
@@ -50,6 +51,14 @@ impl HarrisGrekova {
         moment_of_inertia: f64,
         rotational_strength: f64,
     ) -> Result<Self, InputError> {
+        ensure(
+            dilatancy_angle != coulomb.friction_angle,
+            DILATANCY_ANGLE.name,
+            to_rounded_degrees(dilatancy_angle),
+            "the dilatancy angle must be below the friction angle; where they are equal, Harris & Grekova (2005, eqs \
+             43–45) have coaxial flow, the spin ω = s₂₁ and the rotational stress r as a reaction: the model \
+             plastic-potential with equal angles has this flow rule",
+        )?;
         check_dilatancy(&coulomb, dilatancy_angle)?;
         MOMENT_OF_INERTIA.check(
             moment_of_inertia,
