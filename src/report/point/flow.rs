@@ -37,7 +37,7 @@ pub(super) fn format_text(case: &Case, found: &FlowAnalysis) -> String {
     match &own.state {
         FlowState::Yielding(state) => {
             write_background(own.kind, state, &mut text);
-            write_characteristics(state, &mut text);
+            write_characteristics(own.kind, state, &mut text);
             write_roots(state, &mut text);
             let _ = write!(text, "\n{}", format_verdict(own));
             let _ = writeln!(text, "Route: {}\n{VALIDITY_NOTE}", state.evidence.route);
@@ -69,6 +69,10 @@ fn format_rounded_pair(values: [Rounded; 2]) -> String {
     format_pair(values.map(|x| if x.sign().is_some() { x.value } else { 0.0 }))
 }
 
+fn has_spin(kind: ModelKind) -> bool {
+    matches!(kind, ModelKind::Flow(kind) if kind.rotation() == RotationKind::IntrinsicSpin)
+}
+
 fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
     let YieldingState { flow, background, stress, .. } = state;
     let _ = writeln!(text, "region: {}", state.yield_region);
@@ -83,7 +87,7 @@ fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
         let _ = writeln!(text, "  {name:<36}{value}");
     };
     line("deviatoric stress q", format!("{} Pa", format_short(stress.deviatoric_stress)));
-    if matches!(kind, ModelKind::Flow(kind) if kind.rotation() == RotationKind::IntrinsicSpin) {
+    if has_spin(kind) {
         line("rotational stress r", format!("{} Pa", format_short(stress.rotational_stress)));
     }
     line(
@@ -99,6 +103,13 @@ fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
     if let Some(spin) = background.spin {
         line("spin Ω", format!("{} rad/s", format_short(spin)));
     }
+    for slip in state.slip.iter().flatten() {
+        let reversed = if slip.rate < 0.0 { " (reversed)" } else { "" };
+        line(
+            &format!("slip along {}°", format_short(slip.angle_deg)),
+            format!("{} 1/s{reversed}", format_short(slip.rate)),
+        );
+    }
     line(
         "acceleration minus body force",
         format!("{} m/s²", format_rounded_pair(flow.acceleration)),
@@ -111,7 +122,7 @@ fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
     }
 }
 
-fn write_characteristics(state: &YieldingState, text: &mut String) {
+fn write_characteristics(kind: ModelKind, state: &YieldingState, text: &mut String) {
     let _ = writeln!(text, "\nSteady characteristic directions");
     let Some(real) = &state.characteristics else {
         let _ = writeln!(text, "  the steady equations do not determine their unknowns");
@@ -135,6 +146,16 @@ fn write_characteristics(state: &YieldingState, text: &mut String) {
             if im < 0.0 { "−" } else { "+" },
             format_short(im.abs()),
             complex.family
+        );
+    }
+    // Harris & Grekova (2005), section 8: the spin stays finite where the velocity jumps. The jump is along these lines for
+    // ν = 0, else at the angle ν to them.
+    if let (true, Some([first, second])) = (has_spin(kind), state.slip) {
+        let _ = writeln!(
+            text,
+            "  the velocity may jump along {}° and {}° only, not along streamlines",
+            format_short(first.angle_deg),
+            format_short(second.angle_deg)
         );
     }
     let arbitrary = state.arbitrary_characteristics.as_deref().unwrap_or_default();

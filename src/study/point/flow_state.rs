@@ -10,8 +10,8 @@ use analysis::flows::FLOW_ROUTE;
 use analysis::flows::growth_curves::GrowthPoint;
 use analysis::growth::{Assessment, Verdict};
 use analysis::pencil::PencilRoots;
-use models::flow::Model;
 use models::flow::state::{DeformingFlow, YieldRegion};
+use models::flow::{Model, Slip};
 use num_complex::Complex64;
 use serde::Serialize;
 
@@ -52,6 +52,8 @@ pub struct YieldingState {
     /// Internal power of the stress, W/m³.
     #[serde(rename = "power")]
     pub internal_power: f64,
+    /// Slip on both families of slip lines; `None` for a coaxial model.
+    pub slip: Option<[SlipRate; 2]>,
     /// Wave number and direction given in the case.
     pub wave: FlowWave,
     /// Finite dispersion roots at `wave`, Re ς and Im ς, 1/s; `None` if every ς is a root.
@@ -123,6 +125,7 @@ impl YieldingState {
             noncoaxiality_bound_deg: model.noncoaxiality_bound().map(f64::to_degrees),
             yield_region: YieldRegion::FullyDeforming.name(),
             internal_power: flow.internal_power,
+            slip: model.slips(&flow).map(|slips| slips.map(SlipRate::from)),
             wave,
             dispersion_roots: None,
             infinite_root_count: None,
@@ -249,6 +252,24 @@ impl From<characteristics::RealCharacteristic> for CharacteristicDirection {
     fn from(found: characteristics::RealCharacteristic) -> Self {
         let characteristics::RealCharacteristic { angle, multiplicity, family, .. } = found;
         Self { angle_deg: angle.to_degrees(), multiplicity, family }
+    }
+}
+
+/// Slip on a family of slip lines (Harris & Grekova 2005, eq. 38).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlipRate {
+    /// Angle of the slip lines from x₁, degrees, in \[0, 180).
+    pub angle_deg: f64,
+    /// Rate of slip, 1/s; negative if reversed, against the shear stress on the lines.
+    pub rate: f64,
+}
+
+impl From<Slip> for SlipRate {
+    fn from(slip: Slip) -> Self {
+        let degrees = slip.angle.to_degrees().rem_euclid(180.0);
+        // Rates that vanish within rounding have no sign.
+        let rate = slip.rate.sign().map_or(0.0, |_| slip.rate.value);
+        Self { angle_deg: if degrees < 180.0 { degrees } else { 0.0 }, rate }
     }
 }
 
