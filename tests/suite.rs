@@ -64,6 +64,8 @@ mod fuzz;
 mod half_spaces;
 #[path = "homogenise.rs"]
 mod homogenise;
+#[path = "hopper.rs"]
+mod hopper;
 #[path = "hostile.rs"]
 mod hostile;
 #[path = "joint_outputs.rs"]

@@ -100,7 +100,9 @@ fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
         "velocity gradient ∂ⱼVᵢ",
         format!("[{}, {}] 1/s", format_rounded_pair(gradient[0]), format_rounded_pair(gradient[1])),
     );
-    if let Some(spin) = background.spin {
+    if let Some(spin) = flow.spin {
+        // A spin that vanishes within rounding is printed as zero.
+        let spin = spin.sign().map_or(0.0, |_| spin.value);
         line("spin Ω", format!("{} rad/s", format_short(spin)));
     }
     for slip in state.slip.iter().flatten() {
