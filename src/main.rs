@@ -453,10 +453,7 @@ fn execute_verb(verb: Verb) -> Result<(), CommandError> {
                 },
             )?;
         }
-        Verb::Point { proof, arguments } => match proof.into_ranges() {
-            Some(ranges) => cli::run_certified_point(&arguments.into(), &ranges, &mut stdout)?,
-            None => cli::run_point(&arguments.into(), &mut stdout)?,
-        },
+        Verb::Point { proof, arguments } => proof.run(&arguments.into(), &mut stdout)?,
         Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
         Verb::Diagram { arguments } => cli::run_diagram(&arguments.into(), &mut stdout)?,
         Verb::Homogenise {

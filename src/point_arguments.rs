@@ -1,6 +1,8 @@
 //! Arguments of `point` that select what is proved.
 
 use clap::Args;
+use std::io::Write;
+use wellposed::cli::{self, CommandError, Options};
 use wellposed::study::BoxRange;
 
 /// What is proved of the state.
@@ -15,9 +17,12 @@ pub(crate) struct PointArguments {
 }
 
 impl PointArguments {
-    /// Ranges of numbers for which the verdict is to be proved; `None` if it is not.
-    pub(crate) fn into_ranges(self) -> Option<Vec<BoxRange>> {
-        self.is_certified.then_some(self.ranges)
+    /// Runs the verb `point`, with a proof if it is asked for.
+    pub(crate) fn run(self, options: &Options, stdout: &mut dyn Write) -> Result<(), CommandError> {
+        match self.is_certified {
+            true => cli::run_certified_point(options, &self.ranges, stdout),
+            false => cli::run_point(options, stdout),
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Yield cones of classical solids in space: a quadratic form in the squared components of the wave normal.
 
 use crate::interval::Interval;
+use crate::numbers::{Numbers, Problem};
 use crate::polynomial::Polynomial;
 use crate::quantity::Quantity;
-use crate::verification::{Numbers, Problem};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 

@@ -1,10 +1,10 @@
 //! Conditions in closed form of plane flows.
 
 use crate::interval::{Interval, pi};
+use crate::numbers::{Numbers, Problem};
 use crate::polynomial::Polynomial;
 use crate::quantity::Quantity;
 use crate::test::{DILATANCY_ANGLE, FRICTION_ANGLE, NONCOAXIALITY, Test};
-use crate::verification::{Numbers, Problem};
 
 /// Quantities that are all positive exactly where the flow is well-posed, with their names.
 pub(crate) fn conditions(

@@ -1,9 +1,9 @@
 //! Slip along layers in plane strain, from the tangent stiffness.
 
 use crate::interval::Interval;
+use crate::numbers::{Numbers, Problem};
 use crate::polynomial::{DIRECTION, Polynomial};
 use crate::quantity::Quantity;
-use crate::verification::{Numbers, Problem};
 
 /// Names of the quantities of [`Invariants`].
 pub(crate) const QUANTITIES: [&str; 3] = ["discriminant", "product/t²", "sum"];

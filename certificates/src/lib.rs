@@ -11,6 +11,7 @@ mod coverage;
 mod flow;
 mod interval;
 mod layers;
+mod numbers;
 mod polynomial;
 mod quantity;
 mod test;
