@@ -36,8 +36,8 @@ fn case_values(state: &MaterialState) -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// `point` on points of four hoppers (`models/tests/hopper.rs` has 600 points without its search for growth): from the non-coaxiality it derives spin 0, and from the gradients the
-/// acceleration less body force (g, 0). All are well-posed, and no slip is reversed.
+/// `point` on points of four hoppers (`models/tests/hopper.rs` has 600 points without its search for growth): from the
+/// non-coaxiality it derives spin 0, and from the gradients the acceleration less body force (g, 0). All are well-posed, and no slip is reversed.
 #[test]
 fn radial_flow_has_zero_spin_carries_its_weight_and_is_well_posed() {
     let mut random = RandomNumbers::new(60);

@@ -32,9 +32,9 @@ pub const FORMAT_VERSION: u32 = 1;
 pub struct Certificate {
     /// [`FORMAT_VERSION`].
     pub certificate: u32,
-    /// What is proved, in words for people; not verified.
+    /// Statement of the verdict and the method, for readers; not verified.
     pub statement: String,
-    /// What is tested.
+    /// Test that decides the verdict.
     pub test: Test,
     /// The verdict on all states of the box.
     pub verdict: ProvedVerdict,

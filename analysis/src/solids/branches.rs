@@ -87,7 +87,7 @@ fn sample_wave_numbers(max_wave_number: f64) -> impl Iterator<Item = f64> {
 impl BranchPoint {
     fn new(wave_number: f64, mode: &WaveMode, is_symmetric_hyperbolic: bool) -> Self {
         let square = match is_symmetric_hyperbolic {
-            // Not `max`, which would turn what is no number into zero.
+            // `max` would turn NaN into zero, and hide an overflow.
             true if mode.squared_frequency.re < 0.0 => Complex64::ZERO,
             true => mode.squared_frequency.re.into(),
             false => mode.squared_frequency,

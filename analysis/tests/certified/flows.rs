@@ -136,7 +136,7 @@ impl FlowBox {
         }
     }
 
-    /// What is proved of the box; nothing without states at all corners, between which there are then states everywhere.
+    /// Certified verdict on the box. Not decided if a corner has no state; with states at all corners all points have one.
     fn prove(&self) -> BoxVerdict {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
         let states: Option<Vec<_>> = corners.into_iter().map(|own| self.state_at(own)).collect();

@@ -72,7 +72,7 @@ struct BoxSample<'a> {
     verdict_at: Box<dyn FnMut([f64; 2]) -> Option<Verdict> + 'a>,
 }
 
-/// Numbers of boxes by what is proved of them, and of points in decided boxes by the verdict of the other method.
+/// Numbers of boxes by certified verdict, and of points in decided boxes by the verdict of the other method.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     well_posed: usize,
@@ -98,7 +98,7 @@ impl Counts {
     }
 }
 
-/// Compares what is proved of `boxes` boxes with verdicts at `points` points of each decided one: none contradicts.
+/// Verifies that no verdict at `points` points of each decided box contradicts the certified verdict, for `boxes` boxes.
 fn compare(
     seed: u64,
     [boxes, points]: [usize; 2],
